@@ -1,0 +1,64 @@
+"""Folder of numba's disk cache, named after everything that compiled code depends on.
+
+numba's own cache notices a change in the file of a compiled function, but not in a function that it calls in another
+file. The folder's name is therefore a hash of all package sources and of the versions that shape machine code: any
+change starts an empty cache, and an unchanged tree finds a warm one in every process.
+"""
+
+import hashlib
+import os
+import sys
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+PACKAGES = (
+    "signals",
+    "vehicle_model",
+    "hydraulics",
+    "can_fault_injector",
+    "estimators",
+    "model_diagnosis",
+    "bench",
+)
+COMPILERS = ("numba", "llvmlite", "numpy", "mujoco")
+
+
+def source_hash(root: Path) -> str:
+    """Hash of all Python sources of the packages under ``root`` and of the compiler versions."""
+    digest = hashlib.sha256(sys.version.encode())
+    for name in COMPILERS:
+        try:
+            digest.update(f"{name}={version(name)};".encode())
+        except PackageNotFoundError:
+            digest.update(f"{name}=absent;".encode())
+    for package in PACKAGES:
+        for path in sorted((root / package).rglob("*.py")):
+            digest.update(str(path.relative_to(root)).encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_root() -> Path:
+    """User cache folder of the bench (``XDG_CACHE_HOME`` is honoured)."""
+    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(base) / "brake-control-bench"
+
+
+def prepare_compile_cache() -> Path:
+    """Set ``NUMBA_CACHE_DIR``; packages with compiled code call this before they import numba.
+
+    A folder that is already set in the environment is respected, so that child processes share their parent's.
+
+    Raises
+    ------
+    RuntimeError
+        If numba was imported before: it reads the folder once, at its import.
+    """
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    if chosen:
+        return Path(chosen)
+    if "numba" in sys.modules:
+        raise RuntimeError("numba was imported before the bench's packages: import the bench's packages first")
+    folder = cache_root() / "compiled" / source_hash(Path(__file__).resolve().parent.parent)
+    os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    return folder

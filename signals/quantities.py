@@ -1,0 +1,146 @@
+"""Numbers with units in files: ``80 km/h`` becomes 22.2 m/s, a wrong dimension is refused.
+
+A pydantic model whose fields are declared with :func:`parameter` accepts for each of them a plain number in SI units or
+a text with a unit. The declaration keeps unit, range and neutral value, so that the same table serves validation, the
+editors' schema and ``bench vehicle list``.
+"""
+
+import math
+import re
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic.fields import FieldInfo
+
+_TEXT = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
+
+# unit as written in a file -> (SI unit, factor); everything else is looked up in pint, whose import costs 0.2 s
+_COMMON: dict[str, tuple[str, float]] = {
+    "km/h": ("m/s", 1 / 3.6),
+    "bar": ("Pa", 1e5),
+    "bar/s": ("Pa/s", 1e5),
+    "deg": ("rad", math.pi / 180),
+    "deg/s": ("rad/s", math.pi / 180),
+    "ms": ("s", 1e-3),
+    "us": ("s", 1e-6),
+    "mm": ("m", 1e-3),
+    "cm": ("m", 1e-2),
+    "km": ("m", 1e3),
+    "%": ("1", 1e-2),
+    "kN": ("N", 1e3),
+    "kN/s": ("N/s", 1e3),
+    "kN/m": ("N/m", 1e3),
+    "g": ("m/s^2", 9.81),
+    "cm^3": ("m^3", 1e-6),
+    "rpm": ("rad/s", math.pi / 30),
+    "degC": ("degC", 1.0),
+}
+
+
+class QuantityError(ValueError):
+    """A text that is no number with a unit of the wanted dimension."""
+
+
+def to_si(value: str | float, unit: str) -> float:
+    """Value in ``unit`` (an SI unit as the catalogue writes it) of a number or a text such as ``"80 km/h"``.
+
+    Raises
+    ------
+    QuantityError
+        If the text is no number, the unit is unknown, or its dimension is another one.
+    """
+    if isinstance(value, (int, float)):
+        return float(value)
+    match = _TEXT.match(value)
+    if match is None:
+        raise QuantityError(f"found {value!r}, allowed: a number in {unit}, or a text such as '{_example(unit)}'")
+    number, written = float(match[1]), match[2]
+    if written in ("", unit):
+        return number
+    if written in _COMMON:
+        si_unit, factor = _COMMON[written]
+        if si_unit == unit:
+            return number * factor
+        raise QuantityError(f"found {value!r}, a quantity in {si_unit}; allowed: {unit}, e.g. '{_example(unit)}'")
+    return _with_pint(number, written, unit, value)
+
+
+def _with_pint(number: float, written: str, unit: str, text: str) -> float:
+    import pint
+
+    registry = pint.get_application_registry()
+    try:
+        target = registry.Unit("dimensionless" if unit == "1" else unit)
+        return float(registry.Quantity(number, written).to(target).magnitude)
+    except pint.DimensionalityError:
+        raise QuantityError(f"found {text!r}; allowed: a quantity in {unit}, e.g. '{_example(unit)}'") from None
+    except Exception:
+        raise QuantityError(f"found {text!r}: unknown unit {written!r}; allowed: {unit} and its multiples") from None
+
+
+def _example(unit: str) -> str:
+    for written, (si_unit, _) in _COMMON.items():
+        if si_unit == unit:
+            return f"1 {written}"
+    return f"1 {unit}"
+
+
+def parameter(
+    unit: str,
+    default: Any = ...,
+    *,
+    low: float | None = None,
+    high: float | None = None,
+    description: str = "",
+    neutral: float | None = None,
+    source: str = "",
+) -> Any:
+    """Declare a field with a unit (pydantic ``Field``).
+
+    Parameters
+    ----------
+    unit : str
+        SI unit as in the signal catalogue, "1" for a pure number.
+    default
+        Default in SI units; leave out for a required field.
+    low, high : float, optional
+        Closed range in SI units.
+    neutral : float, optional
+        Value at which an optional effect changes nothing.
+    source : str
+        Where the default comes from (document and line, or "assumed").
+    """
+    extra: dict[str, Any] = {"unit": unit}
+    if neutral is not None:
+        extra["neutral"] = neutral
+    if source:
+        extra["source"] = source
+    return Field(default, ge=low, le=high, description=description, json_schema_extra=extra)
+
+
+def unit_of(field: FieldInfo) -> str | None:
+    """Unit that a field was declared with, or None."""
+    extra = field.json_schema_extra
+    unit = extra.get("unit") if isinstance(extra, dict) else None
+    return unit if isinstance(unit, str) else None
+
+
+def _convert(value: Any, unit: str) -> Any:
+    if isinstance(value, str):
+        return to_si(value, unit)
+    if isinstance(value, (list, tuple)):
+        return [_convert(item, unit) for item in value]
+    return value
+
+
+class FileModel(BaseModel):
+    """Base of everything that is read from a file: unknown fields are errors, quantities may carry units."""
+
+    model_config = ConfigDict(extra="forbid", validate_default=False, allow_inf_nan=False)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _units(cls, value: Any, info: ValidationInfo) -> Any:
+        field = cls.model_fields.get(info.field_name or "")
+        unit = unit_of(field) if field is not None else None
+        return value if unit is None else _convert(value, unit)
