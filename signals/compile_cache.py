@@ -47,18 +47,14 @@ def cache_root() -> Path:
 def prepare_compile_cache() -> Path:
     """Set ``NUMBA_CACHE_DIR``; packages with compiled code call this before they import numba.
 
-    A folder that is already set in the environment is respected, so that child processes share their parent's.
-
-    Raises
-    ------
-    RuntimeError
-        If numba was imported before: it reads the folder once, at its import.
+    A folder that is already set in the environment is respected, so that child processes share their parent's. Where
+    somebody imported numba before, its setting is changed too: it reads the variable once, at its import.
     """
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     if chosen:
         return Path(chosen)
-    if "numba" in sys.modules:
-        raise RuntimeError("numba was imported before the bench's packages: import the bench's packages first")
     folder = cache_root() / "compiled" / source_hash(Path(__file__).resolve().parent.parent)
     os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    if "numba" in sys.modules:
+        sys.modules["numba"].config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
     return folder

@@ -1,0 +1,34 @@
+# make demo: set up and run the main job · make test: set up and run the tests · make lint: the linters CI runs
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+
+.PHONY: demo test vcan lint benchmark clean
+
+$(STAMP): pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --upgrade pip
+	$(BIN)/pip install --quiet --editable '.[test]'
+	touch $@
+
+demo: $(STAMP)
+	$(BIN)/bench run friction/e4_abs_dry_95
+
+test: $(STAMP)
+	$(BIN)/pytest $(PYTEST_OPTIONS)
+
+vcan: $(STAMP)
+	ci/can_kernel $(BIN)/pytest tests/vcan $(PYTEST_OPTIONS)
+
+lint: $(STAMP)
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+benchmark: $(STAMP)
+	$(BIN)/python -m benchmarks.smoke
+
+clean:
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache

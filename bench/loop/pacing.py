@@ -1,0 +1,113 @@
+"""Pacers: when the next tick may start.
+
+Both pacers have the same two methods, so the loop is one piece of code in real time and in lock-step.
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+PERIOD_NS = 1_000_000
+CATCH_UP_TICKS = 5
+SPIN_FLOOR_NS = 60_000
+SPIN_CEILING_NS = 200_000
+
+
+@dataclass
+class TickTimes:
+    """Four numbers per tick, in ns: how late it began, how long it took, its processor time, and ticks skipped.
+
+    Lateness holds the machine's wake-up latency and what an earlier tick carried over; ``cpu_ns`` is the tick's own
+    work, so a late end with little processor time is the machine's doing.
+    """
+
+    lateness_ns: NDArray[np.int64]
+    duration_ns: NDArray[np.int64]
+    cpu_ns: NDArray[np.int64]
+    count: int = 0
+    skipped: int = 0
+
+    @classmethod
+    def for_ticks(cls, ticks: int) -> "TickTimes":
+        """Storage for a run of at most ``ticks`` ticks, touched so that no page fault comes later."""
+        return cls(np.zeros(ticks, np.int64), np.zeros(ticks, np.int64), np.zeros(ticks, np.int64))
+
+
+class LockstepPacer:
+    """Virtual time: a tick starts as soon as the previous one has ended."""
+
+    mode = "lockstep"
+
+    def __init__(self, ticks: int) -> None:
+        self.times = TickTimes.for_ticks(0)
+
+    def start(self) -> None:
+        """Nothing to anchor: virtual time starts at the first tick."""
+
+    def wait(self, tick: int) -> None:
+        """Never waits."""
+
+    def done(self, tick: int) -> None:
+        """Nothing to measure: the time of a tick has no meaning in virtual time."""
+
+
+class RealtimePacer:
+    """Absolute deadlines start + n × 1 ms: sleep to shortly before, then spin.
+
+    After a stall at most five ticks run back to back; more are skipped: the time base moves, and the skipped ticks are
+    counted. Simulated time then stands still for as long as the machine did.
+    """
+
+    mode = "realtime"
+
+    def __init__(self, ticks: int) -> None:
+        self.times = TickTimes.for_ticks(ticks)
+        self._tail_ns = SPIN_CEILING_NS
+        self._start_ns = 0
+        self._wake_ns = 0
+        self._cpu_ns = 0
+
+    def start(self) -> None:
+        """Measure how late this machine wakes up, then anchor the time base one period ahead."""
+        self._tail_ns = measure_wake_up_ns()
+        self._start_ns = time.perf_counter_ns() + PERIOD_NS
+
+    def wait(self, tick: int) -> None:
+        """Return at the deadline of ``tick``."""
+        clock = time.perf_counter_ns
+        deadline = self._start_ns + tick * PERIOD_NS
+        now = clock()
+        behind = now - deadline
+        if behind > CATCH_UP_TICKS * PERIOD_NS:
+            skip = behind // PERIOD_NS
+            self._start_ns += skip * PERIOD_NS
+            deadline += skip * PERIOD_NS
+            self.times.skipped += int(skip)
+        ahead = deadline - now - self._tail_ns
+        if ahead > 0:
+            time.sleep(ahead * 1e-9)
+            now = clock()
+        while now < deadline:
+            now = clock()
+        self._wake_ns = now
+        self._cpu_ns = time.thread_time_ns()
+        self.times.lateness_ns[tick] = now - deadline
+
+    def done(self, tick: int) -> None:
+        """Note how long the tick took."""
+        times = self.times
+        times.cpu_ns[tick] = time.thread_time_ns() - self._cpu_ns
+        times.duration_ns[tick] = time.perf_counter_ns() - self._wake_ns
+        times.count = tick + 1
+
+
+def measure_wake_up_ns(trials: int = 100) -> int:
+    """Spin time that covers the wake-up latency of this machine: its 99 % point, within fixed bounds."""
+    late = np.empty(trials, np.int64)
+    for i in range(trials):
+        before = time.perf_counter_ns()
+        time.sleep(300e-6)
+        late[i] = time.perf_counter_ns() - before - 300_000
+    return int(np.clip(np.percentile(late, 99), SPIN_FLOOR_NS, SPIN_CEILING_NS))
