@@ -1,0 +1,153 @@
+"""The other side of the bus as the tick sees it: nobody, a controller in this process, a link, a link in lock-step.
+
+In virtual time a frame sent in tick n is seen by the other side at tick n + 1, on every kind of side.
+"""
+
+import time
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.links.barrier import BarrierServer
+from bench.links.frame import FRAME_DTYPE
+from bench.links.interface import Link
+from signals.errors import RunError
+
+MAX_FRAMES = 4096
+
+
+class Node(Protocol):
+    """A controller that is called once per tick with the frames it sees and fills in those it sends."""
+
+    def tick(self, tick: int, frames_in: NDArray[np.void], n_in: int, frames_out: NDArray[np.void]) -> int:
+        """Returns the number of frames sent."""
+
+
+class NoEcu:
+    """Nobody answers: the frames go to the recording only."""
+
+    def receive(self, tick: int, frames: NDArray[np.void]) -> int:
+        """Nothing ever arrives."""
+        return 0
+
+    def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:
+        """Frames go nowhere."""
+
+    def close(self) -> None:
+        """Nothing to close."""
+
+
+class InProcessEcu:
+    """The emulated ECU called by the tick, behind the same frames as on a bus."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._sent_by_bench = np.zeros(64, FRAME_DTYPE)
+        self._sent_count = 0
+        self._answers = np.zeros(64, FRAME_DTYPE)
+        self._answer_count = 0
+
+    def receive(self, tick: int, frames: NDArray[np.void]) -> int:
+        """Frames of the controller's previous tick; runs its tick on what the bench sent one tick ago."""
+        count = self._answer_count
+        if count:
+            frames[:count] = self._answers[:count]
+        self._answer_count = self._node.tick(tick, self._sent_by_bench, self._sent_count, self._answers)
+        self._sent_count = 0
+        return count
+
+    def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:
+        """Keep the frames for the controller's next tick."""
+        self._sent_by_bench[:count] = frames[:count]
+        self._sent_count = count
+
+    def close(self) -> None:
+        """Nothing to close."""
+
+
+class LinkedEcu:
+    """An ECU behind a link, in real time: what has arrived is seen, nothing is waited for.
+
+    Parameters
+    ----------
+    link : Link
+        An open link.
+    first_answer_s : float
+        Wall-clock time within which the first foreign frame has to arrive, else the run ends with an error;
+        infinity where the scenario expects a silent ECU.
+    """
+
+    def __init__(self, link: Link, first_answer_s: float) -> None:
+        self._link = link
+        self._first_answer_s = first_answer_s
+        self._heard = False
+        self._start_s = 0.0
+
+    def receive(self, tick: int, frames: NDArray[np.void]) -> int:
+        """Everything that arrived since the last tick."""
+        count = self._link.receive(frames)
+        if count:
+            self._heard = True
+            frames["tick"][:count] = tick
+        elif not self._heard:
+            self._check_silence()
+        return count
+
+    def _check_silence(self) -> None:
+        now = time.monotonic()
+        if self._start_s == 0.0:
+            self._start_s = now
+        elif now - self._start_s > self._first_answer_s:
+            raise RunError(
+                f"the ECU on {self._link.kind} sent no frame within {self._first_answer_s:g} s",
+                hint="start it (bench ecu --link …), check the link, or declare ecu.expect: silent in the scenario",
+            )
+
+    def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:
+        """Put the frames on the link."""
+        self._link.send(frames, count)
+
+    def close(self) -> None:
+        """Close the link."""
+        self._link.close()
+
+
+class BarrierEcu:
+    """An ECU in another process in virtual time: both run tick n at the same time on the frames of tick n − 1."""
+
+    def __init__(self, link: Link, barrier: BarrierServer) -> None:
+        self._link = link
+        self._barrier = barrier
+        self._sent = 0
+        self._held = np.zeros(MAX_FRAMES, FRAME_DTYPE)
+        self._held_count = 0
+        self._received = 0
+        self._running = False
+
+    def receive(self, tick: int, frames: NDArray[np.void]) -> int:
+        """Frames that the peer sent in its previous tick; then lets it run this one."""
+        if self._running:
+            self._collect()
+        count = self._held_count
+        frames[:count] = self._held[:count]
+        self._held_count = 0
+        self._barrier.begin(tick, self._sent)
+        self._running = True
+        return count
+
+    def _collect(self) -> None:
+        """Wait for the peer's answer to the running tick and read the frames that it has sent in it."""
+        promised = self._barrier.finish()
+        self._held_count = self._link.receive_until(self._held, promised - self._received, self._barrier.timeout_s)
+        self._received = promised
+
+    def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:
+        """Put the frames on the link; the peer is told their number at the next tick."""
+        self._link.send(frames, count)
+        self._sent += count
+
+    def close(self) -> None:
+        """End the barrier and close the link."""
+        self._barrier.close()
+        self._link.close()
