@@ -77,7 +77,7 @@ def _hydraulics() -> list[Signal]:
     return [
         _signal(block, "true_master_pressure", "Pa", "master-cylinder pressure"),
         *_wheels(block, "true_brake_pressure", "Pa", "wheel brake pressure"),
-        *_wheels(block, "hydraulic_state", "1", "selection logic: 0 increase, 1 hold, 2 decrease"),
+        *_wheels(block, "hydraulic_state", "1", "selection logic: 0 increase, 1 hold, 2 decrease, 3 invalid valves, held"),
         _signal(block, "accumulator_pressure", "Pa", "low-pressure accumulator, worst circuit"),
         *_wheels(block, "brake_torque_capacity", "N m", "torque that the brake can transmit"),
     ]
@@ -115,7 +115,9 @@ def _plant() -> list[Signal]:
         *_wheels(block, "true_brake_torque", "N m", "brake torque that acts on the wheel"),
         *_wheels(block, "true_drive_torque", "N m", "drive torque that acts on the wheel"),
         _signal(block, "mechanical_energy", "J", "kinetic and potential energy of the car"),
-        _signal(block, "dissipated_energy", "J", "energy lost in brakes, tyres, drag, rolling, dampers since the start"),
+        _signal(
+            block, "dissipated_energy", "J", "energy lost in brakes, tyres, drag, rolling, dampers since the start"
+        ),
         _signal(block, "drive_energy", "J", "work done by the drive torques since the start"),
     ]
 
@@ -187,16 +189,7 @@ def _timing() -> list[Signal]:
 @cache
 def catalogue() -> tuple[Signal, ...]:
     """Every signal of a run, in the order of the signal vector."""
-    return tuple(
-        _clock()
-        + _driver()
-        + _hydraulics()
-        + _powertrain()
-        + _plant()
-        + _bus()
-        + _bus_ages()
-        + _timing()
-    )
+    return tuple(_clock() + _driver() + _hydraulics() + _powertrain() + _plant() + _bus() + _bus_ages() + _timing())
 
 
 @cache

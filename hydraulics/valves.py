@@ -1,0 +1,81 @@
+"""Valves, return pump and low-pressure accumulators of the two brake circuits."""
+
+from typing import Any
+
+from numba import njit
+
+from hydraulics.parameters import LONGEST_DELAY_STEPS, STEP_S
+
+STUCK_OPEN = 1.0
+
+
+@njit(cache=True)
+def circuit_of(wheel: int) -> int:
+    """Brake circuit of a wheel: diagonal split, front left with rear right."""
+    return 0 if wheel in (0, 3) else 1
+
+
+@njit(cache=True)
+def remember_inputs(state: Any, inlet: Any, outlet: Any, master_pressure: float) -> None:
+    """Store the commands and the master pressure of this step in the delay lines."""
+    position = (state.position + 1) % LONGEST_DELAY_STEPS
+    state.position = position
+    state.master_history[position] = master_pressure
+    for wheel in range(4):
+        state.inlet_history[position, wheel] = inlet[wheel]
+        state.outlet_history[position, wheel] = outlet[wheel]
+
+
+@njit(cache=True)
+def inlet_closed(parameters: Any, state: Any, wheel: int) -> int:
+    """1 if the inlet valve is closed, after its dead time and its fault."""
+    stuck = parameters.inlet_stuck[wheel]
+    if stuck > 0.5:
+        return 0 if stuck < STUCK_OPEN + 0.5 else 1
+    position = (state.position - parameters.inlet_delay[wheel]) % LONGEST_DELAY_STEPS
+    return 1 if state.inlet_history[position, wheel] > 0.5 else 0
+
+
+@njit(cache=True)
+def outlet_open(parameters: Any, state: Any, wheel: int) -> int:
+    """1 if the outlet valve is open, after its dead time and its fault."""
+    stuck = parameters.outlet_stuck[wheel]
+    if stuck > 0.5:
+        return 1 if stuck < STUCK_OPEN + 0.5 else 0
+    position = (state.position - parameters.outlet_delay[wheel]) % LONGEST_DELAY_STEPS
+    return 1 if state.outlet_history[position, wheel] > 0.5 else 0
+
+
+@njit(cache=True)
+def pump_back(parameters: Any, state: Any) -> None:
+    """Return pump: empties both accumulators for one step."""
+    for circuit in range(2):
+        volume = min(state.accumulator[circuit], parameters.pump_flow * STEP_S)
+        state.accumulator[circuit] -= volume
+        state.pumped[circuit] += volume
+
+
+@njit(cache=True)
+def accumulator_pressure(parameters: Any, state: Any, circuit: int) -> float:
+    """Pressure of a circuit's accumulator: a spring, 0 when empty."""
+    return float(parameters.accumulator_pressure * state.accumulator[circuit] / parameters.accumulator_volume)
+
+
+@njit(cache=True)
+def take_up(parameters: Any, state: Any, wheel: int, wanted: float) -> float:
+    """Move the fluid of a pressure drop into the accumulator.
+
+    Returns
+    -------
+    float
+        The pressure that the accumulator's free volume allows, Pa. Fluid never flows back through the outlet valve.
+    """
+    pressure = float(state.pressure[wheel])
+    if wanted >= pressure:
+        return pressure
+    circuit = circuit_of(wheel)
+    stiffness = parameters.caliper_stiffness[wheel]
+    room = max(parameters.accumulator_volume - state.accumulator[circuit], 0.0)
+    volume = min((pressure - wanted) / stiffness, room)
+    state.accumulator[circuit] += volume
+    return wanted if volume < room else max(wanted, float(pressure - volume * stiffness))
