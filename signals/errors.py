@@ -16,19 +16,19 @@ class BenchError(Exception):
     ----------
     message : str
         One line: where and what.
-    found, allowed, nearest, hint : str, optional
+    found, allowed, nearest, mend : str, optional
         What was found, what is allowed, the nearest valid name, the command or change that helps.
     """
 
     exit_code = 4
 
-    def __init__(self, message: str, *, found: str = "", allowed: str = "", nearest: str = "", hint: str = "") -> None:
+    def __init__(self, message: str, *, found: str = "", allowed: str = "", nearest: str = "", mend: str = "") -> None:
         super().__init__(message)
         self.message = message
         self.found = found
         self.allowed = allowed
         self.nearest = nearest
-        self.hint = hint
+        self.mend = mend
 
     def __str__(self) -> str:
         parts = [
@@ -40,7 +40,7 @@ class BenchError(Exception):
         lines = [self.message]
         if detail:
             lines.append(f"  {detail}")
-        lines += [f"  {line}" for line in self.hint.splitlines()]
+        lines += [f"  {line}" for line in self.mend.splitlines()]
         return "\n".join(lines)
 
 
@@ -134,7 +134,7 @@ def nearest_name(name: str, candidates: Sequence[str]) -> str:
     return close[0] if close else ""
 
 
-def unknown_name(what: str, name: str, candidates: Sequence[str], *, hint: str = "") -> InputError:
+def unknown_name(what: str, name: str, candidates: Sequence[str], *, mend: str = "") -> InputError:
     """Error for a name that does not exist, with the nearest one and, if they are few, all of them."""
     few = ", ".join(candidates) if 0 < len(candidates) <= 12 else ""
-    return InputError(f"unknown {what} {name!r}", allowed=few, nearest=nearest_name(name, candidates), hint=hint)
+    return InputError(f"unknown {what} {name!r}", allowed=few, nearest=nearest_name(name, candidates), mend=mend)

@@ -101,7 +101,7 @@ class LinkedEcu:
         elif now - self._start_s > self._first_answer_s:
             raise RunError(
                 f"the ECU on {self._link.kind} sent no frame within {self._first_answer_s:g} s",
-                hint="start it (bench ecu --link …), check the link, or declare ecu.expect: silent in the scenario",
+                mend="start it (bench ecu --link …), check the link, or declare ecu.expect: silent in the scenario",
             )
 
     def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:

@@ -13,7 +13,7 @@ def test_exit_codes(kind: type[BenchError], code: int) -> None:
 def test_text_names_found_nearest_allowed_and_mend() -> None:
     error = LinkError(
         "vcan0: no such interface (AF_CAN is there)",
-        hint="make it: sudo ip link add vcan0 type vcan && sudo ip link set vcan0 up\nor run without: --link udp",
+        mend="make it: sudo ip link add vcan0 type vcan && sudo ip link set vcan0 up\nor run without: --link udp",
     )
     assert str(error).splitlines() == [
         "vcan0: no such interface (AF_CAN is there)",
