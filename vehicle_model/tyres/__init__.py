@@ -1,1 +1,1 @@
-"""TODO docstring"""
+"""Tyre models and tyre files."""

@@ -1,0 +1,173 @@
+"""Parameters of a file by dotted path: list them, read them, change them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from signals.errors import InputError
+from signals.quantities import QuantityError, to_si, unit_of
+
+
+@dataclass(frozen=True)
+class ParameterInfo:
+    """One parameter.
+
+    Attributes
+    ----------
+    path, unit
+        Dotted path in the file, SI unit ("1" where there is none).
+    value, default
+        SI values; ``default`` is None where the file has to give the value.
+    low, high, neutral
+        Closed range and the value at which an optional effect changes nothing; None where there is none.
+    description, source
+        One line each; ``source`` tells where the value comes from.
+    """
+
+    path: str
+    unit: str
+    value: float
+    default: float | None
+    low: float | None
+    high: float | None
+    neutral: float | None
+    description: str
+    source: str
+
+
+@dataclass(frozen=True)
+class _Leaf:
+    path: str
+    model: BaseModel
+    name: str
+    position: int | None
+    field: FieldInfo
+
+    def value(self) -> float | None:
+        value = getattr(self.model, self.name)
+        if self.position is not None:
+            value = value[self.position]
+        return None if value is None else float(value)
+
+
+def _leaves(model: BaseModel, prefix: str) -> Iterator[_Leaf]:
+    for name, field in type(model).model_fields.items():
+        value = getattr(model, name)
+        path = f"{prefix}{name}"
+        if isinstance(value, BaseModel):
+            yield from _leaves(value, f"{path}.")
+        elif isinstance(value, list):
+            for position, item in enumerate(value):
+                if isinstance(item, BaseModel):
+                    yield from _leaves(item, f"{path}.{position}.")
+                elif isinstance(item, (int, float)):
+                    yield _Leaf(f"{path}.{position}", model, name, position, field)
+        elif unit_of(field) is not None:
+            yield _Leaf(path, model, name, None, field)
+
+
+def numbers(model: BaseModel, prefix: str = "") -> dict[str, float]:
+    """Every number of a file model by dotted path, in SI units; ``prefix`` is put before each path."""
+    return {leaf.path: value for leaf in _leaves(model, prefix) if (value := leaf.value()) is not None}
+
+
+def parameter_infos(model: BaseModel, prefix: str = "", sources: dict[str, str] | None = None) -> list[ParameterInfo]:
+    """Table of the parameters of a file model in file order; ``sources`` (path → text) wins over declared sources."""
+    return [_info(leaf, value, sources or {}) for leaf in _leaves(model, prefix) if (value := leaf.value()) is not None]
+
+
+def _info(leaf: _Leaf, value: float, sources: dict[str, str]) -> ParameterInfo:
+    field = leaf.field
+    extra: dict[str, Any] = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+    default = field.default if isinstance(field.default, (int, float)) else None
+    low, high = _bounds(field)
+    declared = str(extra.get("source", ""))
+    return ParameterInfo(
+        path=leaf.path,
+        unit=str(extra.get("unit", "1")),
+        value=value,
+        default=None if default is None else float(default),
+        low=low,
+        high=high,
+        neutral=extra.get("neutral"),
+        description=field.description or "",
+        source=_source_of(leaf.path, sources) or (declared if value == default or default is None else ""),
+    )
+
+
+def _bounds(field: FieldInfo) -> tuple[float | None, float | None]:
+    low = next((item.ge for item in field.metadata if hasattr(item, "ge")), None)
+    high = next((item.le for item in field.metadata if hasattr(item, "le")), None)
+    return low, high
+
+
+def _source_of(path: str, sources: dict[str, str]) -> str:
+    """Source of the longest dotted prefix of ``path``."""
+    parts = path.split(".")
+    for count in range(len(parts), 0, -1):
+        text = sources.get(".".join(parts[:count]))
+        if text is not None:
+            return text
+    return ""
+
+
+def find(model: BaseModel, path: str, prefix: str = "") -> _Leaf:
+    """The parameter of that path.
+
+    Raises
+    ------
+    InputError
+        If there is none; the message names the nearest path.
+    """
+    paths = []
+    for leaf in _leaves(model, prefix):
+        if leaf.path == path:
+            return leaf
+        paths.append(leaf.path)
+    near = get_close_matches(path, paths, n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    raise InputError(f"no parameter {path!r}{hint}")
+
+
+def set_parameter(model: BaseModel, path: str, value: float | str, prefix: str = "") -> None:
+    """Change one parameter of a file model in place.
+
+    Parameters
+    ----------
+    value
+        Number in SI units, or a text with its unit.
+
+    Raises
+    ------
+    InputError
+        If there is no such parameter, or the value has another dimension or is out of its range.
+    """
+    leaf = find(model, path, prefix)
+    try:
+        number = to_si(value, unit_of(leaf.field) or "1")
+    except QuantityError as error:
+        raise InputError(f"{path}: {error}") from None
+    low, high = _bounds(leaf.field)
+    if (low is not None and number < low) or (high is not None and number > high) or number != number:
+        raise InputError(f"{path}: found {number:g}, allowed: {_range(low, high)} {unit_of(leaf.field) or ''}".rstrip())
+    if leaf.position is not None:
+        getattr(leaf.model, leaf.name)[leaf.position] = number
+        return
+    try:
+        leaf.model.__pydantic_validator__.validate_assignment(leaf.model, leaf.name, number)
+    except ValidationError as error:
+        raise InputError(f"{path}: {error.errors()[0]['msg']}") from None
+
+
+def _range(low: float | None, high: float | None) -> str:
+    if low is None and high is None:
+        return "a finite number"
+    if low is None:
+        return f"at most {high:g}"
+    if high is None:
+        return f"at least {low:g}"
+    return f"{low:g} to {high:g}"

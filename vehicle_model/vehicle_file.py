@@ -1,0 +1,198 @@
+"""Vehicle files: every parameter of a car, from body to sensors.
+
+vehicle = load_vehicle("ekf_car")
+vehicle.body.mass                          # 1296.0
+vehicle.numbers("brakes")                  # {"brakes.booster_gain": ..., "brakes.front.pad_area": ...}
+set_parameter(vehicle, "body.mass", "1.4 t")
+"""
+
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import model_validator
+
+from signals.errors import InputError, unknown_name
+from signals.quantities import FileModel, parameter
+from signals.wheels import WHEELS
+from vehicle_model import parameters
+from vehicle_model.actuation_file import Brakes, Driveline, Hydraulics
+from vehicle_model.body_file import Aerodynamics, Axles, Body, Steering, Suspension, Wheels
+from vehicle_model.file_reading import merged, read_mapping, validated
+from vehicle_model.parameters import ParameterInfo
+from vehicle_model.sensors_file import Sensors
+from vehicle_model.tyres.tyre_file import TyreFile, TyrePair
+
+VEHICLES = Path(__file__).parent / "vehicles"
+STANDARD_GRAVITY = 9.81
+_SECTIONS = (
+    "body",
+    "axles",
+    "wheels",
+    "suspension",
+    "steering",
+    "brakes",
+    "hydraulics",
+    "driveline",
+    "aerodynamics",
+    "sensors",
+    "tyres",
+)
+
+
+class Extension(FileModel):
+    """An effect that measured data showed, as parameters of this file by dotted path."""
+
+    effect: str
+    parameters: dict[str, float | str]
+    evidence: str = ""
+
+
+class Scatter(FileModel):
+    """Spread of one parameter over cars or runs."""
+
+    std: float = parameter("1", low=0.0, description="standard deviation; of the nominal value if relative")
+    kind: Literal["relative", "absolute"] = "relative"
+
+
+class VehicleFile(FileModel):
+    """A car. Each leaf is a number in SI units or a text with its unit."""
+
+    format: Literal[1]
+    name: str
+    description: str = ""
+    extends: str | None = None
+    body: Body
+    axles: Axles
+    wheels: Wheels
+    suspension: Suspension
+    steering: Steering = Steering()
+    brakes: Brakes
+    hydraulics: Hydraulics = Hydraulics()
+    driveline: Driveline
+    aerodynamics: Aerodynamics
+    sensors: Sensors = Sensors()
+    tyres: TyrePair | str
+    extensions: list[Extension] = []
+    scatter: dict[str, Scatter] = {}
+    sources: dict[str, str] = {}
+
+    @model_validator(mode="after")
+    def _fill_derived(self) -> "VehicleFile":
+        if self.aerodynamics.drag_height is None:
+            object.__setattr__(self.aerodynamics, "drag_height", self.body.centre_of_gravity_height)
+        for wheel, load in zip(WHEELS, self.static_loads(), strict=True):
+            entry = getattr(self.wheels, wheel)
+            deflection = entry.unloaded_radius - entry.radius
+            if deflection <= 0.0:
+                raise ValueError(
+                    f"wheels.{wheel}.unloaded_radius: found {entry.unloaded_radius} m, allowed: more than the loaded "
+                    f"radius of {entry.radius} m"
+                )
+            if entry.vertical_stiffness is None:
+                object.__setattr__(entry, "vertical_stiffness", load / deflection)
+        return self
+
+    def static_loads(self) -> tuple[float, float, float, float]:
+        """Vertical wheel loads [N] on a level road at rest (eq. 73 with zero acceleration)."""
+        body = self.body
+        weight = body.mass * STANDARD_GRAVITY
+        rear = weight * body.centre_of_gravity_to_front_axle / body.wheelbase
+        front = weight - rear
+        return front / 2.0, front / 2.0, rear / 2.0, rear / 2.0
+
+    @property
+    def tyre_pair(self) -> TyrePair:
+        """The tyres, once their file is read."""
+        if isinstance(self.tyres, str):
+            raise InputError(f"tyres: {self.tyres} is not read yet", mend="read the vehicle with load_vehicle()")
+        return self.tyres
+
+    def numbers(self, section: str | None = None) -> dict[str, float]:
+        """Dotted path → SI value of a section's numbers, or of all sections."""
+        if section is None:
+            return {path: value for name in _SECTIONS for path, value in self.numbers(name).items()}
+        return parameters.numbers(getattr(self, section), f"{section}.")
+
+
+def parameter_table(vehicle: VehicleFile) -> list[ParameterInfo]:
+    """Every parameter of a vehicle with unit, value, default, range, neutral value and source."""
+    return [
+        info
+        for section in _SECTIONS
+        for info in parameters.parameter_infos(getattr(vehicle, section), f"{section}.", vehicle.sources)
+    ]
+
+
+def set_parameter(vehicle: VehicleFile, path: str, value: float | str) -> None:
+    """Change one parameter in place; InputError if there is none of that path or the value is refused."""
+    section = path.partition(".")[0]
+    if section not in _SECTIONS:
+        raise unknown_name("section of a vehicle", section, _SECTIONS)
+    parameters.set_parameter(getattr(vehicle, section), path, value, f"{section}.")
+
+
+def vehicle_names() -> tuple[str, ...]:
+    """Names of the cars that ship with the bench."""
+    return tuple(sorted(path.stem for path in VEHICLES.glob("*.yaml")))
+
+
+def load_vehicle(name_or_path: str | Path) -> VehicleFile:
+    """Read a vehicle file, the file that it extends and its tyres; apply its extensions.
+
+    Parameters
+    ----------
+    name_or_path
+        Name of a shipped car (``ekf_car``) or path of a file.
+
+    Raises
+    ------
+    InputError
+        If there is no such car or file, or the file has faults.
+    """
+    path = _resolve(name_or_path)
+    data = _read_with_base(path, ())
+    if isinstance(data.get("tyres"), str):
+        tyre_path = Path(data["tyres"])
+        data["sources"] = _tyre_sources(tyre_path) | data.get("sources", {})
+        data["tyres"] = _tyres(tyre_path)
+    vehicle = validated(path, data, VehicleFile)
+    for extension in vehicle.extensions:
+        for target, value in extension.parameters.items():
+            set_parameter(vehicle, target, value)
+    return vehicle
+
+
+def _resolve(name_or_path: str | Path) -> Path:
+    path = Path(name_or_path)
+    if path.suffix in (".yaml", ".yml"):
+        return path
+    shipped = VEHICLES / f"{name_or_path}.yaml"
+    if not shipped.exists():
+        raise unknown_name("vehicle", str(name_or_path), vehicle_names(), mend="or give the path of a .yaml file")
+    return shipped
+
+
+def _read_with_base(path: Path, seen: tuple[Path, ...]) -> dict[str, Any]:
+    """Content of a file laid over that of the file that it extends; relative paths in it are resolved."""
+    path = path.resolve()
+    if path in seen:
+        raise InputError(f"{path}: extends itself", found=" → ".join(file.name for file in (*seen, path)))
+    data = read_mapping(path)
+    if isinstance(data.get("tyres"), str):
+        data["tyres"] = str(path.parent / data["tyres"])
+    base_name = data.get("extends")
+    if not isinstance(base_name, str):
+        return data
+    beside = path.parent / base_name
+    base = beside if beside.suffix in (".yaml", ".yml") else _resolve(base_name)
+    return merged(_read_with_base(base, (*seen, path)), data)
+
+
+def _tyres(path: Path) -> dict[str, Any]:
+    tyre = validated(path, read_mapping(path), TyreFile)
+    return {"front": tyre.front, "rear": tyre.rear}
+
+
+def _tyre_sources(path: Path) -> dict[str, str]:
+    sources = read_mapping(path).get("sources", {})
+    return {f"tyres.{key}": str(text) for key, text in sources.items()} if isinstance(sources, dict) else {}
