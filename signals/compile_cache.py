@@ -56,5 +56,5 @@ def prepare_compile_cache() -> Path:
     folder = cache_root() / "compiled" / source_hash(Path(__file__).resolve().parent.parent)
     os.environ["NUMBA_CACHE_DIR"] = str(folder)
     if "numba" in sys.modules:
-        sys.modules["numba"].config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
+        sys.modules["numba"].config.CACHE_DIR = str(folder)
     return folder

@@ -9,7 +9,7 @@ BIT_RATE = 500_000.0
 EXTENDED, REMOTE, ERROR = 1, 2, 4
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _nominal_bits(frames: NDArray[np.void], count: int) -> float:
     """Bits on the wire without stuff bits: 47 + 8 n for a standard and 67 + 8 n for an extended data frame."""
     bits = 0.0
@@ -23,7 +23,7 @@ def _nominal_bits(frames: NDArray[np.void], count: int) -> float:
     return bits
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _update(
     window: NDArray[np.float64],
     position: int,
@@ -44,9 +44,7 @@ class BusLoad:
         self._position = 0
         self._capacity_bits = bit_rate * WINDOW_TICKS * 1e-3
 
-    def update(
-        self, received: NDArray[np.void], received_count: int, sent: NDArray[np.void], sent_count: int
-    ) -> float:
+    def update(self, received: NDArray[np.void], received_count: int, sent: NDArray[np.void], sent_count: int) -> float:
         """Load after a tick with these frames, 0 to 1."""
         bits = _update(self._window, self._position, received, received_count, sent, sent_count)
         self._position = (self._position + 1) % WINDOW_TICKS

@@ -61,7 +61,7 @@ def _try_fifo(report: SchedulingReport) -> None:
     except PermissionError:
         if _libc.prctl(PR_SET_TIMERSLACK, 1, 0, 0, 0) == 0:
             report.timer_slack_ns = 1
-        report.remarks.append("SCHED_FIFO not allowed: timer slack 1 ns instead (bench doctor names the right to ask for)")
+        report.remarks.append("SCHED_FIFO not allowed, timer slack 1 ns instead: bench doctor names the missing right")
 
 
 def _try_lock_memory(report: SchedulingReport) -> None:
