@@ -77,7 +77,9 @@ def _hydraulics() -> list[Signal]:
     return [
         _signal(block, "true_master_pressure", "Pa", "master-cylinder pressure"),
         *_wheels(block, "true_brake_pressure", "Pa", "wheel brake pressure"),
-        *_wheels(block, "hydraulic_state", "1", "selection logic: 0 increase, 1 hold, 2 decrease, 3 invalid valves, held"),
+        *_wheels(
+            block, "hydraulic_state", "1", "selection logic: 0 increase, 1 hold, 2 decrease, 3 invalid valves, held"
+        ),
         _signal(block, "accumulator_pressure", "Pa", "low-pressure accumulator, worst circuit"),
         *_wheels(block, "brake_torque_capacity", "N m", "torque that the brake can transmit"),
     ]

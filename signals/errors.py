@@ -60,6 +60,38 @@ class LinkError(RunError):
     """A link does not exist, is not permitted, or was lost."""
 
 
+class FieldError(ValueError):
+    """Raised by the validators of file schemas: one wrong field in or below the object that is validated.
+
+    Parameters
+    ----------
+    problem : str
+        What is wrong, a few words.
+    at : sequence of str or int
+        Path of the field below the object; empty for the object itself.
+    found, allowed, nearest : str
+        As in `BenchError`; without ``found`` the value in the file is shown.
+    """
+
+    def __init__(
+        self, problem: str, *, at: Sequence[str | int] = (), found: str = "", allowed: str = "", nearest: str = ""
+    ) -> None:
+        self.problem = problem
+        self.at = tuple(at)
+        self.found = found
+        self.allowed = allowed
+        self.nearest = nearest
+        super().__init__("; ".join(part for part in (problem, found, allowed, nearest) if part))
+
+
+class FieldErrors(ValueError):
+    """Several wrong fields, raised at once by one validator."""
+
+    def __init__(self, errors: Sequence[FieldError]) -> None:
+        self.errors = tuple(errors)
+        super().__init__("; ".join(str(error) for error in errors))
+
+
 @dataclass(frozen=True)
 class Fault:
     """One fault of a file.

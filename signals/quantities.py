@@ -38,7 +38,20 @@ _COMMON: dict[str, tuple[str, float]] = {
 
 
 class QuantityError(ValueError):
-    """A text that is no number with a unit of the wanted dimension."""
+    """A text that is no number with a unit of the wanted dimension.
+
+    Attributes
+    ----------
+    problem, allowed
+        What is wrong, and what may stand there.
+    """
+
+    def __init__(self, problem: str, text: str, unit: str) -> None:
+        self.problem = problem
+        self.allowed = (
+            f"a number in {unit} or a text such as '{_example(unit)}'" if unit != "1" else "a number or '5 %'"
+        )
+        super().__init__(f"{problem}: found {text!r}, allowed: {self.allowed}")
 
 
 def to_si(value: str | float, unit: str) -> float:
@@ -53,7 +66,7 @@ def to_si(value: str | float, unit: str) -> float:
         return float(value)
     match = _TEXT.match(value)
     if match is None:
-        raise QuantityError(f"found {value!r}, allowed: a number in {unit}, or a text such as '{_example(unit)}'")
+        raise QuantityError("not a number with a unit", value, unit)
     number, written = float(match[1]), match[2]
     if written in ("", unit):
         return number
@@ -61,7 +74,7 @@ def to_si(value: str | float, unit: str) -> float:
         si_unit, factor = _COMMON[written]
         if si_unit == unit:
             return number * factor
-        raise QuantityError(f"found {value!r}, a quantity in {si_unit}; allowed: {unit}, e.g. '{_example(unit)}'")
+        raise QuantityError(f"wrong dimension, a quantity in {si_unit}", value, unit)
     return _with_pint(number, written, unit, value)
 
 
@@ -73,16 +86,26 @@ def _with_pint(number: float, written: str, unit: str, text: str) -> float:
         target = registry.Unit("dimensionless" if unit == "1" else unit)
         return float(registry.Quantity(number, written).to(target).magnitude)
     except pint.DimensionalityError:
-        raise QuantityError(f"found {text!r}; allowed: a quantity in {unit}, e.g. '{_example(unit)}'") from None
+        raise QuantityError("wrong dimension", text, unit) from None
     except Exception:
-        raise QuantityError(f"found {text!r}: unknown unit {written!r}; allowed: {unit} and its multiples") from None
+        raise QuantityError(f"unknown unit {written!r}", text, unit) from None
+
+
+_EXAMPLES = {
+    "m": "25 cm",
+    "m/s": "80 km/h",
+    "Pa": "120 bar",
+    "Pa/s": "400 bar/s",
+    "rad": "30 deg",
+    "rad/s": "10 deg/s",
+    "s": "50 ms",
+}
 
 
 def _example(unit: str) -> str:
-    for written, (si_unit, _) in _COMMON.items():
-        if si_unit == unit:
-            return f"1 {written}"
-    return f"1 {unit}"
+    if unit in _EXAMPLES:
+        return _EXAMPLES[unit]
+    return next((f"1 {written}" for written, (si_unit, _) in _COMMON.items() if si_unit == unit), f"1 {unit}")
 
 
 def parameter(
@@ -123,6 +146,25 @@ def unit_of(field: FieldInfo) -> str | None:
     extra = field.json_schema_extra
     unit = extra.get("unit") if isinstance(extra, dict) else None
     return unit if isinstance(unit, str) else None
+
+
+def limits_of(field: FieldInfo) -> tuple[float | None, float | None]:
+    """Closed range of a field in SI units, None where it is open."""
+    low = next((item.ge for item in field.metadata if getattr(item, "ge", None) is not None), None)
+    high = next((item.le for item in field.metadata if getattr(item, "le", None) is not None), None)
+    return low, high
+
+
+def range_text(unit: str, low: float | None, high: float | None) -> str:
+    """``0…1500 N``, ``at least 0 N`` or ``a number in N``."""
+    behind = "" if unit in ("1", "") else f" {unit}"
+    if low is not None and high is not None:
+        return f"{low:g}…{high:g}{behind}"
+    if low is not None:
+        return f"at least {low:g}{behind}"
+    if high is not None:
+        return f"at most {high:g}{behind}"
+    return f"a number in {unit}" if behind else "a number"
 
 
 def _convert(value: Any, unit: str) -> Any:

@@ -1,0 +1,288 @@
+"""YAML files read so that every value knows its line and column.
+
+``load_yaml`` gives a `Document`: plain data and the place of each key and value. ``validate`` turns a document into a
+pydantic model or raises `FileFaults` with all faults of the file at once.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+
+from signals.errors import Fault, FileFaults, InputError
+from signals.validation import field_name, validate
+
+__all__ = ["DataPath", "Document", "Place", "load_yaml", "parse_yaml", "validate"]
+
+DataPath = tuple[str | int, ...]
+
+LARGEST_FILE_BYTES = 10_000_000
+MOST_VALUES = 100_000
+_TAG = "tag:yaml.org,2002:"
+_TRUE = {"true", "True", "TRUE"}
+
+
+@dataclass(frozen=True)
+class Place:
+    """File, line and column, counted from 1."""
+
+    file: str
+    line: int
+    column: int
+
+
+@dataclass
+class Document:
+    """Data of a file with the place of everything in it.
+
+    Attributes
+    ----------
+    file : str
+        Path as the user wrote it.
+    data
+        Mappings, lists, texts, numbers, truth values and None.
+    keys, values : dict
+        Place of the key and of the value for the path of each value.
+    """
+
+    file: str
+    data: Any
+    keys: dict[DataPath, Place] = field(default_factory=dict)
+    values: dict[DataPath, Place] = field(default_factory=dict)
+
+    @property
+    def folder(self) -> Path:
+        """Folder that relative paths in the file start from."""
+        return Path(self.file).parent
+
+    def place(self, path: Sequence[str | int], *, key: bool = False) -> Place:
+        """Place of a value (or of its key), of the nearest enclosing one if the file has none of that path."""
+        for end in range(len(path), -1, -1):
+            head = tuple(path[:end])
+            first, second = (self.keys, self.values) if key or end < len(path) else (self.values, self.keys)
+            found = first.get(head) or second.get(head)
+            if found is not None:
+                return found
+        return Place(self.file, 0, 0)
+
+    def value(self, path: Sequence[str | int]) -> Any:
+        """Value at a path; KeyError if there is none."""
+        value = self.data
+        for name in path:
+            try:
+                value = value[name]
+            except (IndexError, TypeError):
+                raise KeyError(tuple(path)) from None
+        return value
+
+    def fault(
+        self,
+        path: Sequence[str | int],
+        problem: str,
+        *,
+        found: str = "",
+        allowed: str = "",
+        nearest: str = "",
+        key: bool = False,
+    ) -> Fault:
+        """A fault at the place of ``path``."""
+        place = self.place(path, key=key)
+        return Fault(place.file, place.line, place.column, field_name(path), problem, found, allowed, nearest)
+
+
+def load_yaml(path: str | Path, *, shown_as: str | None = None) -> Document:
+    """Read a YAML file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    shown_as : str, optional
+        Name in messages, if it is not the path.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, unreadable, no text, no YAML, or empty.
+    """
+    shown = shown_as or str(path)
+    file = Path(path)
+    try:
+        if file.is_file() and file.stat().st_size > LARGEST_FILE_BYTES:
+            raise InputError(f"{shown}: larger than {LARGEST_FILE_BYTES // 1_000_000} MB, not a file of the bench")
+        content = file.read_bytes()
+    except OSError as error:
+        raise InputError(f"{shown}: {_reason(error)}", mend=_neighbours(file)) from None
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise InputError(f"{shown}:{line}:1  not a text file (UTF-8)", allowed="YAML") from None
+    return parse_yaml(text, shown)
+
+
+def _reason(error: OSError) -> str:
+    if isinstance(error, FileNotFoundError):
+        return "no such file"
+    if isinstance(error, IsADirectoryError):
+        return "is a folder, not a file"
+    if isinstance(error, PermissionError):
+        return "not permitted to read it"
+    return (error.strerror or str(error)).lower()
+
+
+def _neighbours(file: Path) -> str:
+    """Line with the nearest file of the same kind in the same folder, for a name that does not exist."""
+    from signals.errors import nearest_name
+
+    if not file.parent.is_dir():
+        return f"no such folder: {file.parent}"
+    near = nearest_name(file.name, [entry.name for entry in file.parent.iterdir() if entry.suffix == file.suffix])
+    return f"did you mean {file.parent / near}?" if near else ""
+
+
+def parse_yaml(text: str, file: str) -> Document:
+    """Document of a text.
+
+    Raises
+    ------
+    InputError
+        If the text is no YAML of the kinds that the bench reads, or has nothing in it.
+    """
+    yaml = YAML(typ="safe", pure=True)
+    try:
+        node = yaml.compose(text)
+    except MarkedYAMLError as error:
+        raise FileFaults([_syntax_fault(error, file)], file) from None
+    except (YAMLError, RecursionError) as error:
+        problem = "too deeply nested" if isinstance(error, RecursionError) else " ".join(str(error).split())
+        raise FileFaults([Fault(file, 0, 0, "", f"not YAML: {problem}")], file) from None
+    if node is None:
+        raise FileFaults([Fault(file, 1, 1, "", "the file is empty")], file)
+    document = Document(file, None)
+    reader = _Reader(document)
+    document.data = reader.read(node, ())
+    if reader.faults:
+        raise FileFaults(reader.faults, file)
+    return document
+
+
+def _syntax_fault(error: MarkedYAMLError, file: str) -> Fault:
+    mark = error.problem_mark or error.context_mark
+    line, column = (mark.line + 1, mark.column + 1) if mark is not None else (0, 0)
+    problem = " ".join(str(error.problem or error.context).split())
+    allowed = ""
+    if "'\\t'" in problem:
+        problem, allowed = "a tab in the indentation", "spaces"
+    elif "mapping values are not allowed" in problem:
+        problem, allowed = "a ':' that starts no field", "one field per line, its value indented or quoted"
+    elif "found another document" in problem:
+        problem, allowed = "a second document ('---')", "one document per file"
+    elif "cannot start any token" in problem:
+        allowed = "a text that begins with this character stands in quotes"
+    return Fault(file, line, column, "", f"not YAML: {problem}", allowed=allowed)
+
+
+class _Reader:
+    """Turns the nodes of one file into plain data and notes their places."""
+
+    def __init__(self, document: Document) -> None:
+        self.document = document
+        self.faults: list[Fault] = []
+        self._open: set[int] = set()
+        self._count = 0
+
+    def _fault(self, node: Node, path: DataPath, problem: str, allowed: str = "") -> None:
+        place = self._place(node)
+        self.faults.append(Fault(place.file, place.line, place.column, field_name(path), problem, allowed=allowed))
+
+    def _place(self, node: Node) -> Place:
+        return Place(self.document.file, node.start_mark.line + 1, node.start_mark.column + 1)
+
+    def read(self, node: Node, path: DataPath) -> Any:
+        self._count += 1
+        if self._count > MOST_VALUES or id(node) in self._open or len(path) > 50:
+            if self._count <= MOST_VALUES + 1:
+                self._fault(node, path, "too many values, or an alias (*) that contains itself")
+            self._count = MOST_VALUES + 1
+            return None
+        self.document.values.setdefault(path, self._place(node))
+        if isinstance(node, ScalarNode):
+            return self._scalar(node, path)
+        self._open.add(id(node))
+        try:
+            if isinstance(node, SequenceNode):
+                return [self.read(item, (*path, number)) for number, item in enumerate(node.value)]
+            return self._mapping(node, path)
+        finally:
+            self._open.discard(id(node))
+
+    def _mapping(self, node: MappingNode, path: DataPath) -> dict[Any, Any]:
+        result: dict[Any, Any] = {}
+        for key_node, value_node in node.value:
+            key = self._key(key_node, path)
+            if key is None:
+                continue
+            inner = (*path, key)
+            if key in result:
+                line = self.document.keys[inner].line
+                self._fault(key_node, inner, f"stands here twice (first in line {line})", "each field once")
+                continue
+            self.document.keys[inner] = self._place(key_node)
+            result[key] = self.read(value_node, inner)
+            if result[key] is None:
+                self.document.values[inner] = self._place(key_node)
+        return result
+
+    def _key(self, node: Node, path: DataPath) -> str | int | None:
+        if isinstance(node, ScalarNode) and node.tag == f"{_TAG}merge":
+            self._fault(node, path, "merge keys (<<) are not read", "include: FILE")
+            return None
+        key = self._scalar(node, path) if isinstance(node, ScalarNode) else None
+        if isinstance(key, bool) or not isinstance(key, (str, int)):
+            self._fault(node, path, "a field needs a name", "a text before the ':'")
+            return None
+        return key
+
+    def _scalar(self, node: ScalarNode, path: DataPath) -> str | int | float | bool | None:
+        text = str(node.value)
+        kind = node.tag.removeprefix(_TAG)
+        if kind in ("str", "timestamp"):
+            return text
+        if kind == "null":
+            return None
+        if kind == "bool" and text.lower() in ("true", "false"):
+            return text in _TRUE
+        try:
+            if kind == "int":
+                return _integer(text)
+            if kind == "float":
+                return float(text.replace("_", "").replace(".inf", "inf").replace(".nan", "nan"))
+        except ValueError:
+            pass
+        self._fault(node, path, f"found the tag {node.tag!r}", "plain texts, numbers, true, false")
+        return None
+
+
+def _integer(text: str) -> int:
+    digits = text.replace("_", "")
+    for prefix, base in (("0x", 16), ("0o", 8), ("0b", 2)):
+        if digits.lstrip("+-").lower().startswith(prefix):
+            return int(digits, base)
+    return int(digits)
+
+
+def walk(data: Any, path: DataPath = ()) -> Iterator[tuple[DataPath, Any]]:
+    """Every leaf of plain data with its path."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield from walk(value, (*path, key))
+    elif isinstance(data, list):
+        for number, value in enumerate(data):
+            yield from walk(value, (*path, number))
+    else:
+        yield path, data
