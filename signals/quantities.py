@@ -81,7 +81,7 @@ def to_si(value: str | float, unit: str) -> float:
 def _with_pint(number: float, written: str, unit: str, text: str) -> float:
     import pint
 
-    registry = pint.get_application_registry()
+    registry: Any = pint.get_application_registry()  # type: ignore[no-untyped-call]
     try:
         target = registry.Unit("dimensionless" if unit == "1" else unit)
         return float(registry.Quantity(number, written).to(target).magnitude)

@@ -1,4 +1,4 @@
-"""From pydantic's errors to faults that a user understands: place, what was found, what is allowed, the nearest name."""
+"""From pydantic's errors to faults that a user understands: place, found, allowed, nearest name."""
 
 import types
 from collections.abc import Iterator, Sequence
@@ -159,8 +159,13 @@ def _is_model(kind: Any) -> bool:
     return isinstance(kind, type) and issubclass(kind, BaseModel)
 
 
+def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Fields under the names that they have in a file."""
+    return {field.alias or name: field for name, field in model.model_fields.items()}
+
+
 def _has_field(kinds: list[Any], name: str | int) -> bool:
-    return any(_is_model(kind) and name in kind.model_fields for kind in kinds)
+    return any(_is_model(kind) and name in fields_of(kind) for kind in kinds)
 
 
 def _alternatives(annotation: Any) -> list[Any]:
@@ -175,8 +180,8 @@ def _alternatives(annotation: Any) -> list[Any]:
 
 def _descend(kinds: list[Any], part: str | int) -> tuple[FieldInfo | None, list[Any]]:
     for kind in kinds:
-        if _is_model(kind) and part in kind.model_fields:
-            field: FieldInfo = kind.model_fields[part]
+        if _is_model(kind) and part in fields_of(kind):
+            field = fields_of(kind)[str(part)]
             return field, _alternatives(field.annotation)
         origin, arguments = get_origin(kind), get_args(kind)
         if origin is list and isinstance(part, int):
@@ -187,7 +192,7 @@ def _descend(kinds: list[Any], part: str | int) -> tuple[FieldInfo | None, list[
 
 
 def _names(models: list[type[BaseModel]]) -> list[str]:
-    return [name for model in models for name in model.model_fields]
+    return [name for model in models for name in fields_of(model)]
 
 
 def _some(names: Sequence[str]) -> str:
@@ -309,7 +314,7 @@ def _join_typos(problems: list[_Problem], model: type[BaseModel], data: Any) -> 
 
 def _with_range(name: str, owners: list[type[BaseModel]]) -> str:
     for owner in owners:
-        field = owner.model_fields.get(name)
+        field = fields_of(owner).get(name)
         if field is not None and unit_of(field) is not None:
             return f"{name} ({range_text(unit_of(field) or '', *limits_of(field))})"
     return name

@@ -11,7 +11,7 @@ from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
-from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from ruamel.yaml.nodes import Node, ScalarNode, SequenceNode
 
 from signals.errors import Fault, FileFaults, InputError
 from signals.validation import field_name, validate
@@ -217,13 +217,13 @@ class _Reader:
         try:
             if isinstance(node, SequenceNode):
                 return [self.read(item, (*path, number)) for number, item in enumerate(node.value)]
-            return self._mapping(node, path)
+            return self._mapping(node.value, path)
         finally:
             self._open.discard(id(node))
 
-    def _mapping(self, node: MappingNode, path: DataPath) -> dict[Any, Any]:
+    def _mapping(self, entries: list[tuple[Node, Node]], path: DataPath) -> dict[Any, Any]:
         result: dict[Any, Any] = {}
-        for key_node, value_node in node.value:
+        for key_node, value_node in entries:
             key = self._key(key_node, path)
             if key is None:
                 continue
@@ -250,7 +250,7 @@ class _Reader:
 
     def _scalar(self, node: ScalarNode, path: DataPath) -> str | int | float | bool | None:
         text = str(node.value)
-        kind = node.tag.removeprefix(_TAG)
+        kind = str(node.tag).removeprefix(_TAG)
         if kind in ("str", "timestamp"):
             return text
         if kind == "null":
