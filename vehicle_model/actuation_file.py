@@ -1,5 +1,6 @@
 """Sections of a vehicle file that describe brakes, hydraulic unit and driveline."""
 
+from itertools import pairwise
 from typing import Literal
 
 from pydantic import Field, model_validator
@@ -143,7 +144,7 @@ class Engine(FileModel):
             raise ValueError(
                 f"torque_points: found {len(self.torque_points)} values, allowed: {len(speeds)} as speed_points"
             )
-        if any(later <= earlier for earlier, later in zip(speeds, speeds[1:], strict=False)):
+        if any(later <= earlier for earlier, later in pairwise(speeds)):
             raise ValueError("speed_points: found values that do not rise, allowed: strictly rising speeds")
         return self
 

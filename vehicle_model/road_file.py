@@ -1,9 +1,10 @@
 """Road files: friction by position and time, split and patches, surfaces, grade and bank, wind."""
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Literal
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from signals.errors import unknown_name
 from signals.quantities import FileModel, parameter
@@ -106,16 +107,16 @@ class RoadFile(FileModel):
     split_position: float = parameter("m", 0.0, description="y at which left and right meet")
     left: Side = Side()
     right: Side = Side()
-    jumps: list[Jump] = []
-    patches: list[Patch] = []
+    jumps: list[Jump] = Field(default_factory=list)
+    patches: list[Patch] = Field(default_factory=list)
     grade: float = parameter(
         "1", 0.0, low=-0.5, high=0.5, neutral=0.0, description="rise over run, uphill positive: 10 %"
     )
     bank: float = parameter(
         "1", 0.0, low=-0.5, high=0.5, neutral=0.0, description="rise over run, left side higher is positive"
     )
-    profile: list[ProfilePoint] = []
-    surfaces: dict[str, Surface] = {}
+    profile: list[ProfilePoint] = Field(default_factory=list)
+    surfaces: dict[str, Surface] = Field(default_factory=dict)
     wind_speed_x: float = parameter(
         "m/s", 0.0, low=-60.0, high=60.0, neutral=0.0, description="of the air along the road"
     )
@@ -125,7 +126,7 @@ class RoadFile(FileModel):
     @model_validator(mode="after")
     def _ordered(self) -> "RoadFile":
         places = [point.position for point in self.profile]
-        if any(later <= earlier for earlier, later in zip(places, places[1:], strict=False)):
+        if any(later <= earlier for earlier, later in pairwise(places)):
             raise ValueError("profile: found places that do not rise, allowed: strictly rising positions")
         return self
 

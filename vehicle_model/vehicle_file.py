@@ -9,7 +9,7 @@ set_parameter(vehicle, "body.mass", "1.4 t")
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from signals.errors import InputError, unknown_name
 from signals.quantities import FileModel, parameter
@@ -72,9 +72,9 @@ class VehicleFile(FileModel):
     aerodynamics: Aerodynamics
     sensors: Sensors = Sensors()
     tyres: TyrePair | str
-    extensions: list[Extension] = []
-    scatter: dict[str, Scatter] = {}
-    sources: dict[str, str] = {}
+    extensions: list[Extension] = Field(default_factory=list)
+    scatter: dict[str, Scatter] = Field(default_factory=dict)
+    sources: dict[str, str] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _fill_derived(self) -> "VehicleFile":

@@ -2,13 +2,15 @@
 
 from typing import Literal
 
+from pydantic import Field
+
 from signals.quantities import FileModel, parameter
 
 _ASSUMED = "assumed: usual for a passenger car tyre"
 
 
 class MagicFormulaCurve(FileModel):
-    """Friction over slip: D sin(C arctan(B s - E (B s - arctan(B s)))) (eq. 7; with E = 0 the reduced curve, eq. 88)."""
+    """Friction over slip: D sin(C arctan(B s - E (B s - arctan(B s)))) (eq. 7; E = 0: eq. 88)."""
 
     peak_friction: float = parameter("1", low=0.0, high=3.0, description="D; k0 of the friction document")
     shape: float = parameter("1", low=0.1, high=3.0, description="C; k1 of eq. 88")
@@ -79,4 +81,4 @@ class TyreFile(TyrePair):
     format: Literal[1]
     name: str
     description: str = ""
-    sources: dict[str, str] = {}
+    sources: dict[str, str] = Field(default_factory=dict)
