@@ -79,16 +79,17 @@ def _syntax_problem(text: str) -> ExpressionProblem | None:
         return ExpressionProblem(0, "found an empty text; allowed: an expression such as max(speed)")
     if len(text) > MAX_LENGTH:
         return ExpressionProblem(MAX_LENGTH, f"longer than {MAX_LENGTH} characters")
-    literal = next((m for m in _UNIT_LITERAL.finditer(text) if m[2] not in _WORDS), None)
-    if literal is not None:
-        return ExpressionProblem(
-            literal.start(),
-            f"found {literal[0]!r}; allowed: numbers in SI units without a unit{_si_hint(*literal.groups())}",
-        )
     try:
         ast.parse(text.lstrip(), mode="eval")
     except SyntaxError as error:
-        return ExpressionProblem(max((error.offset or 1) - 1, 0), f"not an expression: {error.msg}")
+        literal = next((m for m in _UNIT_LITERAL.finditer(text) if m[2] not in _WORDS), None)
+        if literal is None:
+            indent = len(text) - len(text.lstrip())
+            return ExpressionProblem(indent + max((error.offset or 1) - 1, 0), f"not an expression: {error.msg}")
+        hint = _si_hint(*literal.groups())
+        return ExpressionProblem(
+            literal.start(), f"found {literal[0]!r}; allowed: numbers in SI units, unit left out{hint}"
+        )
     except (RecursionError, MemoryError, ValueError):
         return ExpressionProblem(0, "not an expression: too deeply nested, or a character that no expression has")
     return None
