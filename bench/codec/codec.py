@@ -1,0 +1,211 @@
+"""Values ↔ frames: the codec of one CAN database, compiled, with end-to-end protection and its checks."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.codec.kernels import NEVER_TICKS, unpack
+from bench.codec.kernels import receive as _receive
+from bench.codec.kernels import transmit as _transmit
+from bench.codec.layout import AGE_GROUPS, Carrier, Layout
+from bench.codec.mapping_file import BUS_NAMES
+from bench.codec.resolve import load_layout
+from bench.codec.tables import (
+    ACCEPTED,
+    COUNTER,
+    CRC_ERRORS,
+    LAST_COUNTER,
+    LAST_TICK,
+    NEXT_DUE,
+    OFFSET,
+    REPEATED,
+    STATISTICS,
+    WRONG_LENGTH,
+    WRONG_SEQUENCE,
+    build_tables,
+    by_identifier,
+)
+from bench.links.frame import ROLES, new_frames
+from signals.catalogue import catalogue
+from signals.errors import InputError
+
+AGE_NAMES: tuple[str, ...] = tuple(signal.name for signal in catalogue() if signal.block == "bus_age")
+
+
+class Codec:
+    """Messages of a CAN database bound to the signals of block "bus".
+
+    Parameters
+    ----------
+    layout : Layout
+        From :func:`bench.codec.resolve.load_layout`; :meth:`load` does both.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self.layout = layout
+
+    @classmethod
+    def load(cls, dbc: str | Path | None = None, mapping: str | Path | None = None) -> "Codec":
+        """Read a database (default: the shipped one) and a mapping file.
+
+        Raises
+        ------
+        InputError
+            If a file is bad or a needed message or signal is absent.
+        """
+        return cls(load_layout(dbc, mapping))
+
+    @property
+    def bit_rate(self) -> int:
+        """Bit rate of the bus that the database describes, bit/s."""
+        return self.layout.bit_rate
+
+    def transmitter(
+        self, role: str, values: NDArray[np.float64], names: Sequence[str] = BUS_NAMES, *, channel: int = 0
+    ) -> "Transmitter":
+        """Sender of all messages of "bench" or "ecu" that packs from ``values`` (in the order of ``names``)."""
+        return Transmitter(self.layout.sent_by(role), role, values, names, channel)
+
+    def receiver(
+        self, role: str, values: NDArray[np.float64], ages: NDArray[np.float64], *, channel: int | None = None
+    ) -> "Receiver":
+        """Receiver of the other side's messages, or with role "all" of every message.
+
+        Parameters
+        ----------
+        role : {"bench", "ecu", "all"}
+            Who listens: the bench hears the ECU's messages, the ECU the bench's.
+        values, ages : float64 arrays
+            Blocks "bus" and "bus_age"; only entries whose messages this receiver hears are written.
+        channel : int, optional
+            Listen to one channel of the link only.
+        """
+        sender = {"bench": "ecu", "ecu": "bench", "all": "all"}[role]
+        return Receiver(self.layout.sent_by(sender), values, ages, channel)
+
+    def require(self, role: str, names: Iterable[str], purpose: str) -> None:
+        """Raise InputError, listing them, if the messages that ``role`` sends lack one of the signals."""
+        self.layout.require(role, names, purpose)
+
+    def identifiers(self, role: str) -> frozenset[tuple[int, bool]]:
+        """(identifier, extended) of the messages that "bench", "ecu" or "all" sends."""
+        return frozenset((c.message.identifier, c.message.extended) for c in self.layout.sent_by(role))
+
+    def modulus(self, name: str) -> float:
+        """Value at which a wrapping signal starts again at zero; infinity for all others.
+
+        Raises
+        ------
+        KeyError
+            If no message carries the signal.
+        """
+        for carrier in self.layout.carriers:
+            for carried in carrier.carried:
+                if carried.name == name:
+                    signal = carried.signal
+                    return 2.0**signal.length * signal.scale * carried.scale if signal.wraps else np.inf
+        raise KeyError(name)
+
+
+class Transmitter:
+    """Sends each message of one side in its cycle; made by :meth:`Codec.transmitter`."""
+
+    def __init__(
+        self,
+        carriers: Sequence[Carrier],
+        role: str,
+        values: NDArray[np.float64],
+        names: Sequence[str],
+        channel: int,
+    ) -> None:
+        without_cycle = [carrier.message.name for carrier in carriers if carrier.cycle_ms < 1]
+        if without_cycle:
+            raise InputError(
+                f"the database gives no cycle time for {', '.join(without_cycle)}, which the {role} has to send",
+                mend=f"add to the mapping file:  messages: {{{without_cycle[0]}: {{cycle: 10 ms}}}}",
+            )
+        tables = build_tables(carriers, names)
+        self._messages = tables.messages
+        self._arguments = (ROLES[role], channel, tables.messages, tables.signals, tables.payloads, values)
+        self.reset()
+
+    def reset(self) -> None:
+        """Start again: counters at zero, each message due at its offset."""
+        self._messages[:, COUNTER] = 0
+        self._messages[:, NEXT_DUE] = self._messages[:, OFFSET]
+
+    def due(self, tick: int, frames: NDArray[np.void], start: int = 0) -> int:
+        """Pack the frames that are due in a tick into ``frames[start:]``; returns their number.
+
+        A message whose tick was skipped is sent at the next call, then again at its regular ticks.
+        """
+        count: int = _transmit(tick, frames, start, *self._arguments)
+        return count
+
+
+class Receiver:
+    """Takes in frames, checks them and decodes the good ones; made by :meth:`Codec.receiver`."""
+
+    def __init__(
+        self,
+        carriers: Sequence[Carrier],
+        values: NDArray[np.float64],
+        ages: NDArray[np.float64],
+        channel: int | None,
+    ) -> None:
+        self._carriers = by_identifier(carriers)
+        self._tables = tables = build_tables(carriers)
+        self._values = values
+        self._groups = groups = self._age_groups()
+        heard = -1 if channel is None else channel
+        self._arguments = (heard, tables.messages, tables.signals, tables.payloads, values, groups, ages)
+        self.reset()
+
+    def _age_groups(self) -> NDArray[np.int64]:
+        rows = [[0] * (len(self._carriers) + 1)]
+        for group, signals in AGE_GROUPS.items():
+            members = [int(any(carried.name in signals for carried in c.carried)) for c in self._carriers]
+            if any(members):
+                rows.append([AGE_NAMES.index(group), *members])
+        return np.array(rows, np.int64)
+
+    def reset(self) -> None:
+        """Forget everything received: start values, no counter expected, statistics at zero."""
+        tables = self._tables
+        tables.messages[:, LAST_COUNTER:] = 0
+        tables.messages[:, LAST_COUNTER] = -1
+        tables.messages[:, LAST_TICK] = -NEVER_TICKS
+        self._groups[0, 0] = 0
+        for carrier, row in zip(self._carriers, tables.messages, strict=True):
+            data = np.zeros(64, np.uint8)
+            data[: carrier.message.length] = np.frombuffer(carrier.message.start_payload, np.uint8)
+            unpack(data, row, tables.signals, self._values)
+        self.accept(new_frames(1), 0, 0)
+
+    def accept(self, frames: NDArray[np.void], count: int, tick: int) -> int:
+        """Decode the first ``count`` frames, update the ages; returns the number of frames accepted.
+
+        Call it in every tick, also with no frames, so that the ages grow. A frame with a wrong length, CRC or counter
+        changes nothing but the statistics: neither the values, nor the ages, nor the counter that is expected next.
+        """
+        accepted: int = _receive(frames, count, tick, *self._arguments)
+        return accepted
+
+    def statistics(self) -> dict[str, dict[str, int]]:
+        """Counts of each message by name: accepted, crc_errors, repeated, lost, wrong_sequence, wrong_length."""
+        return {
+            carrier.message.name: dict(zip(STATISTICS, (int(value) for value in row[ACCEPTED:]), strict=True))
+            for carrier, row in zip(self._carriers, self._tables.messages, strict=True)
+        }
+
+    @property
+    def unknown_frames(self) -> int:
+        """Data frames whose identifier is none of the messages listened to."""
+        return int(self._groups[0, 0])
+
+    @property
+    def rejected_frames(self) -> int:
+        """Frames of a known identifier that were refused, for whatever reason."""
+        return int(self._tables.messages[:, (CRC_ERRORS, REPEATED, WRONG_SEQUENCE, WRONG_LENGTH)].sum())
