@@ -6,14 +6,16 @@ that long without a break.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ConfigDict, Field, model_validator
 
 from signals.catalogue import catalogue
 from signals.errors import FieldError, FieldErrors, nearest_name
 from signals.quantities import FileModel, QuantityError, parameter, to_si
-from signals.vector import SignalVector
+
+if TYPE_CHECKING:
+    from signals.vector import SignalVector
 
 Holds = Callable[[float], bool]
 """True if the condition holds now; the argument is the time at which its owner was armed [s]."""
@@ -104,7 +106,7 @@ class Condition(FileModel):
             parts.append((("not",), self.not_))
         return parts
 
-    def compile(self, vector: SignalVector, phase_names: Sequence[str]) -> Holds:
+    def compile(self, vector: "SignalVector", phase_names: Sequence[str]) -> Holds:
         """Function that tells inside the tick whether the condition holds.
 
         It reads the vector as it is at the call. With ``lasting`` it remembers since when the condition holds, so every
@@ -121,7 +123,7 @@ class Condition(FileModel):
         holds = self._compile_kind(vector, phase_names)
         return holds if self.lasting is None else _lasting(holds, self.lasting, vector)
 
-    def _compile_kind(self, vector: SignalVector, phase_names: Sequence[str]) -> Holds:
+    def _compile_kind(self, vector: "SignalVector", phase_names: Sequence[str]) -> Holds:
         if self.signal is not None:
             return _compile_thresholds(self, vector)
         item, now = vector.values.item, vector.index("time")
@@ -139,7 +141,7 @@ class Condition(FileModel):
             return lambda armed_s: item(active) == number
         return self._compile_parts(vector, phase_names)
 
-    def _compile_parts(self, vector: SignalVector, phase_names: Sequence[str]) -> Holds:
+    def _compile_parts(self, vector: "SignalVector", phase_names: Sequence[str]) -> Holds:
         parts = [part.compile(vector, phase_names) for _, part in self._parts()]
         if self.not_ is not None:
             return lambda armed_s: not parts[0](armed_s)
@@ -171,7 +173,7 @@ def _threshold_faults(condition: Condition, unit: str) -> list[FieldError]:
     return faults
 
 
-def _compile_thresholds(condition: Condition, vector: SignalVector) -> Holds:
+def _compile_thresholds(condition: Condition, vector: "SignalVector") -> Holds:
     position = vector.index(condition.signal or "")
     unit, item = vector.signals[position].unit, vector.values.item
     below, above, equals = (
@@ -184,7 +186,7 @@ def _compile_thresholds(condition: Condition, vector: SignalVector) -> Holds:
     return lambda armed_s: low < item(position) < high
 
 
-def _lasting(holds: Holds, duration_s: float, vector: SignalVector) -> Holds:
+def _lasting(holds: Holds, duration_s: float, vector: "SignalVector") -> Holds:
     item, now = vector.values.item, vector.index("time")
     since = float("inf")
 

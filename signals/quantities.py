@@ -5,36 +5,15 @@ a text with a unit. The declaration keeps unit, range and neutral value, so that
 editors' schema and ``bench vehicle list``.
 """
 
-import math
 import re
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
-_TEXT = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
+from signals.units import parse_unit, si_name
 
-# unit as written in a file -> (SI unit, factor); everything else is looked up in pint, whose import costs 0.2 s
-_COMMON: dict[str, tuple[str, float]] = {
-    "km/h": ("m/s", 1 / 3.6),
-    "bar": ("Pa", 1e5),
-    "bar/s": ("Pa/s", 1e5),
-    "deg": ("rad", math.pi / 180),
-    "deg/s": ("rad/s", math.pi / 180),
-    "ms": ("s", 1e-3),
-    "us": ("s", 1e-6),
-    "mm": ("m", 1e-3),
-    "cm": ("m", 1e-2),
-    "km": ("m", 1e3),
-    "%": ("1", 1e-2),
-    "kN": ("N", 1e3),
-    "kN/s": ("N/s", 1e3),
-    "kN/m": ("N/m", 1e3),
-    "g": ("m/s^2", 9.81),
-    "cm^3": ("m^3", 1e-6),
-    "rpm": ("rad/s", math.pi / 30),
-    "degC": ("degC", 1.0),
-}
+_TEXT = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
 
 
 class QuantityError(ValueError):
@@ -70,15 +49,17 @@ def to_si(value: str | float, unit: str) -> float:
     number, written = float(match[1]), match[2]
     if written in ("", unit):
         return number
-    if written in _COMMON:
-        si_unit, factor = _COMMON[written]
-        if si_unit == unit:
-            return number * factor
-        raise QuantityError(f"wrong dimension, a quantity in {si_unit}", value, unit)
-    return _with_pint(number, written, unit, value)
+    known, wanted = parse_unit(written), parse_unit(unit)
+    if known is None or wanted is None:
+        return _with_pint(number, written, unit, value)
+    if known[1] != wanted[1]:
+        name = si_name(known[1])
+        raise QuantityError("wrong dimension" + (f", a quantity in {name}" if name else ""), value, unit)
+    return number * known[0] / wanted[0]
 
 
 def _with_pint(number: float, written: str, unit: str, text: str) -> float:
+    """The rare unit that `signals.units` does not know; importing pint costs 0.2 s."""
     import pint
 
     registry: Any = pint.get_application_registry()  # type: ignore[no-untyped-call]
@@ -93,6 +74,9 @@ def _with_pint(number: float, written: str, unit: str, text: str) -> float:
 
 _EXAMPLES = {
     "m": "25 cm",
+    "m^3": "4 cm^3",
+    "m/s^2": "0.3 g",
+    "N": "400 N",
     "m/s": "80 km/h",
     "Pa": "120 bar",
     "Pa/s": "400 bar/s",
@@ -103,9 +87,7 @@ _EXAMPLES = {
 
 
 def _example(unit: str) -> str:
-    if unit in _EXAMPLES:
-        return _EXAMPLES[unit]
-    return next((f"1 {written}" for written, (si_unit, _) in _COMMON.items() if si_unit == unit), f"1 {unit}")
+    return _EXAMPLES.get(unit, f"1 {unit}")
 
 
 def parameter(

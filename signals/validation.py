@@ -284,10 +284,14 @@ def _join_alternatives(problems: list[_Problem]) -> list[_Problem]:
         before = joined.get(key)
         if before is None:
             joined[key] = problem
-        elif problem.allowed and problem.allowed not in before.allowed:
-            wider = f"{before.allowed} or {problem.allowed}" if before.allowed else problem.allowed
-            joined[key] = replace(before, problem=_common(before.problem, problem.problem), allowed=wider)
+        elif problem.problem != before.problem or problem.allowed != before.allowed:
+            allowed = f"{_alternative(before)} or {_alternative(problem)}"
+            joined[key] = replace(before, problem=_common(before.problem, problem.problem), allowed=allowed)
     return list(joined.values())
+
+
+def _alternative(problem: _Problem) -> str:
+    return problem.allowed or problem.problem.removeprefix("not ")
 
 
 def _common(first: str, second: str) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
-from ruamel.yaml.nodes import Node, ScalarNode, SequenceNode
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from signals.errors import Fault, FileFaults, InputError
 from signals.validation import field_name, validate
@@ -223,7 +223,8 @@ class _Reader:
 
     def _mapping(self, entries: list[tuple[Node, Node]], path: DataPath) -> dict[Any, Any]:
         result: dict[Any, Any] = {}
-        for key_node, value_node in entries:
+        merged = [value for key, value in entries if key.tag == f"{_TAG}merge"]
+        for key_node, value_node in (entry for entry in entries if entry[0].tag != f"{_TAG}merge"):
             key = self._key(key_node, path)
             if key is None:
                 continue
@@ -236,12 +237,20 @@ class _Reader:
             result[key] = self.read(value_node, inner)
             if result[key] is None:
                 self.document.values[inner] = self._place(key_node)
+        for node in merged:
+            self._merge(node, result, path)
         return result
 
+    def _merge(self, node: Node, result: dict[Any, Any], path: DataPath) -> None:
+        """Entries that a merge key (``<<``) brings in; those of the mapping itself win."""
+        for source in node.value if isinstance(node, SequenceNode) else [node]:
+            if not isinstance(source, MappingNode):
+                self._fault(source, path, "a merge key (<<) without a mapping", "<<: *NAME of a mapping")
+                continue
+            absent = [entry for entry in source.value if entry[0].value not in result]
+            result.update(self._mapping(absent, path))
+
     def _key(self, node: Node, path: DataPath) -> str | int | None:
-        if isinstance(node, ScalarNode) and node.tag == f"{_TAG}merge":
-            self._fault(node, path, "merge keys (<<) are not read", "include: FILE")
-            return None
         key = self._scalar(node, path) if isinstance(node, ScalarNode) else None
         if isinstance(key, bool) or not isinstance(key, (str, int)):
             self._fault(node, path, "a field needs a name", "a text before the ':'")
@@ -274,6 +283,34 @@ def _integer(text: str) -> int:
         if digits.lstrip("+-").lower().startswith(prefix):
             return int(digits, base)
     return int(digits)
+
+
+def overlay(base: Document, over: Document) -> Document:
+    """``over`` laid on ``base``, mapping by mapping; lists are replaced whole and every value keeps its place."""
+    result = Document(over.file, _overlaid(base.data, over.data), dict(base.keys), dict(base.values))
+    for path in [path for path in base.values if path and _hidden(base.data, over.data, path)]:
+        result.values.pop(path)
+        result.keys.pop(path, None)
+    result.keys.update(over.keys)
+    result.values.update(over.values)
+    return result
+
+
+def _overlaid(base: Any, over: Any) -> Any:
+    if not (isinstance(base, dict) and isinstance(over, dict)):
+        return over
+    return base | {key: _overlaid(base[key], value) if key in base else value for key, value in over.items()}
+
+
+def _hidden(base: Any, over: Any, path: DataPath) -> bool:
+    """A value of the base at ``path`` that the overlay replaces."""
+    for name in path:
+        if not isinstance(base, dict) or not isinstance(over, dict):
+            return True
+        if name not in over:
+            return False
+        base, over = base[name], over[name]
+    return True
 
 
 def walk(data: Any, path: DataPath = ()) -> Iterator[tuple[DataPath, Any]]:
