@@ -1,0 +1,81 @@
+"""What an estimator is called, reads, writes and can be told, without importing any compiled code."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from signals.catalogue import Signal
+from signals.quantities import FileModel
+
+_DISPLAY = {"m/s": ("km/h", 3.6), "rad": ("deg", 57.29577951308232)}
+
+
+@dataclass(frozen=True)
+class Output:
+    """One estimated quantity.
+
+    Attributes
+    ----------
+    name, unit, description
+        Name without the estimator's prefix, SI unit, one line of explanation.
+    references : tuple of str
+        Signals of the simulated car whose mean is the true value; empty where there is none. The estimator never sees
+        them: reports and criteria compare with them.
+    """
+
+    name: str
+    unit: str
+    description: str
+    references: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Description:
+    """An entry of the registry.
+
+    Attributes
+    ----------
+    name, summary, source
+        Name in files and on the command line, one line of explanation, document and section that define it.
+    settings : type of FileModel
+        Keys that a scenario or ``--set`` may give, validated.
+    inputs : callable
+        Catalogue names of the decoded signals that it reads, given its settings.
+    outputs : tuple of Output
+        What it writes, in this order.
+    implementation : str
+        ``module:function`` that builds it; imported only when it is built.
+    """
+
+    name: str
+    summary: str
+    source: str
+    settings: type[FileModel]
+    inputs: Callable[[Any], tuple[str, ...]]
+    outputs: tuple[Output, ...]
+    implementation: str
+
+    def signals(self) -> tuple[Signal, ...]:
+        """Outputs as entries for the signal vector of a run, named ``<estimator>.<output>``."""
+        return tuple(
+            Signal(
+                f"{self.name}.{output.name}",
+                output.unit,
+                output.description,
+                "estimators",
+                *_DISPLAY.get(output.unit, (output.unit, 1.0)),
+            )
+            for output in self.outputs
+        )
+
+    def references(self) -> dict[str, tuple[str, ...]]:
+        """Signals of the simulated car to compare an output with, by full output name."""
+        return {f"{self.name}.{output.name}": output.references for output in self.outputs if output.references}
+
+
+def with_deviation(name: str, unit: str, description: str, references: tuple[str, ...] = ()) -> tuple[Output, Output]:
+    """An output and its standard deviation beside it."""
+    return (
+        Output(name, unit, description, references),
+        Output(f"{name}_std", unit, f"standard deviation: {description}"),
+    )

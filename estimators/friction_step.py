@@ -1,0 +1,325 @@
+"""What every friction filter does around its filter step: inputs, torques, start and reset, confidence, outputs.
+
+Friction document, sections 3.6.2 and 3.6.7.
+"""
+
+import math
+
+from numba import njit
+
+from estimators.friction_jacobians import (
+    BRAKE_F,
+    BRAKE_R,
+    DRIVE_F,
+    DRIVE_R,
+    MEASUREMENTS,
+    ROW_ACCELERATION,
+    ROW_LIMIT_F,
+    ROW_LIMIT_R,
+    ROW_SLIP_F,
+    ROW_SLIP_R,
+    ROW_SPEED,
+    ROW_WHEEL_F,
+    ROW_WHEEL_R,
+)
+from estimators.friction_model import (
+    AXLES,
+    LIMIT_F,
+    LIMIT_R,
+    LOAD_F,
+    LOAD_R,
+    MODEL_PARAMETERS,
+    RADIUS_F,
+    RADIUS_R,
+    RATE_F,
+    RATE_R,
+    SHAPE_F,
+    SHAPE_R,
+    SLIP_F,
+    SLIP_R,
+    SPEED,
+    STATES,
+    STIFFNESS_F,
+    STIFFNESS_R,
+    USED_F,
+    USED_R,
+    WHEEL_F,
+    WHEEL_R,
+    axle_forces,
+    slip_ratio,
+)
+from estimators.friction_outputs import FRICTION_OUTPUTS, POSITION
+from estimators.inputs import FRESH, INPUTS_LOST, VALUE, accept_inputs, forget_inputs
+from estimators.kalman.correction import ROW_MISSING, ROW_USED
+from estimators.kalman.covariance import FloatArray, IntArray
+from estimators.post_filter import forget, post_filter
+
+# tuning: one float64 array, the parameters of the model first
+(
+    SAMPLE_TIME,
+    TORQUE_KNOWN,
+    KINEMATIC_WHEELS,
+    BRAKE_IS_CAPACITY,
+    HOLD_INPUTS,
+    BRAKE_GAIN_F,
+    BRAKE_GAIN_R,
+    MINIMUM_SPEED,
+    HYSTERESIS,
+    PRIOR_LIMIT,
+    GATE,
+    CONFIDENCE_RATIO,
+    CONFIDENCE_TIME,
+    POST_FILTER,
+    POST_FILTER_WEIGHT,
+    LOCKED_RATE_DECAY,
+    SUBSTEPS,
+) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 17)
+PROCESS_VARIANCE = SUBSTEPS + 1
+MEASUREMENT_VARIANCE = PROCESS_VARIANCE + STATES
+INITIAL_VARIANCE = MEASUREMENT_VARIANCE + MEASUREMENTS
+TUNING_SIZE = INITIAL_VARIANCE + STATES
+
+# rows of the input guard
+IN_ACCELERATION, IN_WHEEL_FL, IN_WHEEL_FR, IN_WHEEL_RL, IN_WHEEL_RR = range(5)
+IN_PRESSURE_FL, IN_PRESSURE_FR, IN_PRESSURE_RL, IN_PRESSURE_RR, IN_DRIVE_F, IN_DRIVE_R = range(5, 11)
+
+# status: one float64 array, then the memories of three post-filters
+ACTIVE, RESETS, CONFIDENT_F, CONFIDENT_R, CONFIDENT_M, INPUT_STATE, INNOVATION = range(7)
+STATUS_SIZE = 7
+
+IDLE, STARTED, RUNNING = range(3)
+
+OUT_ACTIVE = POSITION["active"]
+OUT_RESETS = POSITION["resets"]
+OUT_INPUT_STATE = POSITION["input_state"]
+OUT_SPEED = POSITION["speed"]
+OUT_LIMIT_F = POSITION["friction_limit_front"]
+OUT_LIMIT_R = POSITION["friction_limit_rear"]
+OUT_RATE_F = POSITION["friction_limit_rate_front"]
+OUT_RATE_R = POSITION["friction_limit_rate_rear"]
+OUT_LIMIT_M = POSITION["friction_limit_mean"]
+OUT_USED_F = POSITION["friction_used_front"]
+OUT_USED_R = POSITION["friction_used_rear"]
+OUT_FILTERED = POSITION["friction_limit_front_filtered"]
+OUT_INNOVATION = POSITION["innovation"]
+OUTPUTS = len(FRICTION_OUTPUTS)
+
+
+@njit(cache=True)
+def begin_tick(
+    state: FloatArray,
+    covariance: FloatArray,
+    status: FloatArray,
+    tuning: FloatArray,
+    guard: FloatArray,
+    positions: IntArray,
+    inputs: FloatArray,
+    ages: FloatArray,
+) -> int:
+    """Take over the inputs, start or reset the filter.
+
+    Returns
+    -------
+    int
+        ``IDLE``: nothing to estimate; ``STARTED``: initialised in this tick; ``RUNNING``: make a filter step.
+    """
+    verdict = accept_inputs(guard, positions, inputs, ages, tuning[SAMPLE_TIME])
+    status[INPUT_STATE] = verdict
+    wheel_f, wheel_r = _axle_speeds(guard)
+    rim_f, rim_r = tuning[RADIUS_F] * wheel_f, tuning[RADIUS_R] * wheel_r
+    slowest = min(rim_f, rim_r)
+    threshold = tuning[MINIMUM_SPEED]
+    if status[ACTIVE] == 0.0:
+        if verdict == INPUTS_LOST or slowest < threshold:
+            return IDLE
+        speed = slowest if guard[IN_ACCELERATION, VALUE] > 0.0 else max(rim_f, rim_r)
+        initialise(state, covariance, tuning, speed, wheel_f, wheel_r)
+        for k in range(status.shape[0]):
+            if k != RESETS and k != INPUT_STATE:
+                status[k] = 0.0
+        status[ACTIVE] = 1.0
+        return STARTED
+    threshold -= tuning[HYSTERESIS]
+    if verdict == INPUTS_LOST or (slowest < threshold and state[SPEED] < threshold):
+        stop(state, covariance, status, tuning)
+        return IDLE
+    return RUNNING
+
+
+@njit(cache=True)
+def initialise(
+    state: FloatArray, covariance: FloatArray, tuning: FloatArray, speed: float, wheel_f: float, wheel_r: float
+) -> None:
+    """Initial state and covariance at a speed and measured wheel speeds."""
+    state[SPEED] = speed
+    state[WHEEL_F], state[WHEEL_R] = wheel_f, wheel_r
+    state[SLIP_F] = slip_ratio(speed, tuning[RADIUS_F] * wheel_f)
+    state[SLIP_R] = slip_ratio(speed, tuning[RADIUS_R] * wheel_r)
+    state[LIMIT_F], state[LIMIT_R] = tuning[PRIOR_LIMIT], tuning[PRIOR_LIMIT]
+    state[RATE_F], state[RATE_R] = 0.0, 0.0
+    for i in range(STATES):
+        for j in range(STATES):
+            covariance[i, j] = 0.0
+        covariance[i, i] = tuning[INITIAL_VARIANCE + i]
+
+
+@njit(cache=True)
+def stop(state: FloatArray, covariance: FloatArray, status: FloatArray, tuning: FloatArray) -> None:
+    """Return to the initial state; counted."""
+    initialise(state, covariance, tuning, 0.0, 0.0, 0.0)
+    status[ACTIVE] = 0.0
+    status[RESETS] += 1.0
+
+
+@njit(cache=True)
+def forget_everything(
+    state: FloatArray, covariance: FloatArray, status: FloatArray, tuning: FloatArray, guard: FloatArray
+) -> None:
+    """State of a new filter that has seen nothing."""
+    initialise(state, covariance, tuning, 0.0, 0.0, 0.0)
+    status[:] = 0.0
+    forget_inputs(guard)
+
+
+@njit(cache=True)
+def _axle_speeds(guard: FloatArray) -> tuple[float, float]:
+    """Mean wheel speed of the front and of the rear axle."""
+    front = 0.5 * (guard[IN_WHEEL_FL, VALUE] + guard[IN_WHEEL_FR, VALUE])
+    rear = 0.5 * (guard[IN_WHEEL_RL, VALUE] + guard[IN_WHEEL_RR, VALUE])
+    return front, rear
+
+
+@njit(cache=True)
+def axle_torques(guard: FloatArray, tuning: FloatArray, torques: FloatArray) -> None:
+    """Drive torque and brake torque of each axle [N m].
+
+    The axle's torque is the sum over its two wheels (2.4.3), so the pressures of an axle are added.
+    """
+    for k in range(4):
+        torques[k] = 0.0
+    if tuning[TORQUE_KNOWN] == 0.0:
+        return
+    torques[DRIVE_F] = guard[IN_DRIVE_F, VALUE]
+    torques[DRIVE_R] = guard[IN_DRIVE_R, VALUE]
+    brake_f = tuning[BRAKE_GAIN_F] * max(0.0, guard[IN_PRESSURE_FL, VALUE] + guard[IN_PRESSURE_FR, VALUE])
+    brake_r = tuning[BRAKE_GAIN_R] * max(0.0, guard[IN_PRESSURE_RL, VALUE] + guard[IN_PRESSURE_RR, VALUE])
+    if tuning[BRAKE_IS_CAPACITY] > 0.0:
+        torques[BRAKE_F], torques[BRAKE_R] = brake_f, brake_r
+    else:
+        torques[DRIVE_F] -= brake_f
+        torques[DRIVE_R] -= brake_r
+
+
+@njit(cache=True)
+def build_measurement(
+    guard: FloatArray, tuning: FloatArray, speed_before: float, measured: FloatArray, rows: IntArray
+) -> None:
+    """The eight measurements and which of them are there in this tick (3.6.2).
+
+    Parameters
+    ----------
+    speed_before : float
+        Estimated speed of the last tick [m/s], for row 8.
+    measured : array, shape (8,)
+        Filled.
+    rows : array of int, shape (8,)
+        Filled with ``ROW_USED`` or ``ROW_MISSING``.
+    """
+    front, rear = _axle_speeds(guard)
+    acceleration = guard[IN_ACCELERATION, VALUE]
+    measured[ROW_ACCELERATION] = acceleration
+    measured[ROW_WHEEL_F], measured[ROW_WHEEL_R] = front, rear
+    measured[ROW_SLIP_F], measured[ROW_SLIP_R] = 0.0, 0.0
+    measured[ROW_LIMIT_F], measured[ROW_LIMIT_R] = tuning[PRIOR_LIMIT], tuning[PRIOR_LIMIT]
+    measured[ROW_SPEED] = speed_before + acceleration * tuning[SAMPLE_TIME]
+    for r in range(MEASUREMENTS):
+        rows[r] = ROW_USED
+    if tuning[HOLD_INPUTS] > 0.0:
+        return
+    if guard[IN_ACCELERATION, FRESH] == 0.0:
+        rows[ROW_ACCELERATION] = ROW_MISSING
+    if guard[IN_WHEEL_FL, FRESH] * guard[IN_WHEEL_FR, FRESH] == 0.0:
+        rows[ROW_WHEEL_F] = ROW_MISSING
+    if guard[IN_WHEEL_RL, FRESH] * guard[IN_WHEEL_RR, FRESH] == 0.0:
+        rows[ROW_WHEEL_R] = ROW_MISSING
+
+
+@njit(cache=True)
+def write_outputs(
+    state: FloatArray,
+    covariance: FloatArray,
+    status: FloatArray,
+    tuning: FloatArray,
+    forces: FloatArray,
+    filters: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Fill the outputs from state and covariance; update confidence and post-filters."""
+    running = status[ACTIVE] > 0.0
+    out[OUT_ACTIVE] = status[ACTIVE]
+    out[OUT_RESETS] = status[RESETS]
+    out[OUT_INPUT_STATE] = status[INPUT_STATE]
+    for i in range(SLIP_R + 1):
+        out[OUT_SPEED + 2 * i] = state[i]
+        out[OUT_SPEED + 2 * i + 1] = _root(covariance[i, i])
+    out[OUT_LIMIT_F], out[OUT_LIMIT_F + 1] = state[LIMIT_F], _root(covariance[LIMIT_F, LIMIT_F])
+    out[OUT_LIMIT_R], out[OUT_LIMIT_R + 1] = state[LIMIT_R], _root(covariance[LIMIT_R, LIMIT_R])
+    out[OUT_RATE_F], out[OUT_RATE_F + 1] = state[RATE_F], _root(covariance[RATE_F, RATE_F])
+    out[OUT_RATE_R], out[OUT_RATE_R + 1] = state[RATE_R], _root(covariance[RATE_R, RATE_R])
+
+    axle_forces(state, tuning, forces)
+    used_f, used_r = forces[AXLES, USED_F], forces[AXLES, USED_R]
+    share = forces[AXLES, LOAD_F] / (forces[AXLES, LOAD_F] + forces[AXLES, LOAD_R])
+    limit = share * state[LIMIT_F] + (1.0 - share) * state[LIMIT_R]
+    used = share * used_f + (1.0 - share) * used_r
+    out[OUT_LIMIT_M] = limit
+    out[OUT_LIMIT_M + 1] = _root(
+        share * share * covariance[LIMIT_F, LIMIT_F]
+        + 2.0 * share * (1.0 - share) * covariance[LIMIT_F, LIMIT_R]
+        + (1.0 - share) * (1.0 - share) * covariance[LIMIT_R, LIMIT_R]
+    )
+    out[OUT_USED_F] = used_f
+    out[OUT_USED_F + 1] = _used_deviation(state, covariance, LIMIT_F, SLIP_F, tuning[SHAPE_F], tuning[STIFFNESS_F])
+    out[OUT_USED_R] = used_r
+    out[OUT_USED_R + 1] = _used_deviation(state, covariance, LIMIT_R, SLIP_R, tuning[SHAPE_R], tuning[STIFFNESS_R])
+    out[OUT_LIMIT_F + 2] = _confident(status, CONFIDENT_F, running, used_f, state[LIMIT_F], tuning)
+    out[OUT_LIMIT_R + 2] = _confident(status, CONFIDENT_R, running, used_r, state[LIMIT_R], tuning)
+    out[OUT_LIMIT_M + 2] = _confident(status, CONFIDENT_M, running, used, limit, tuning)
+
+    kind, weight = int(tuning[POST_FILTER]), tuning[POST_FILTER_WEIGHT]
+    if not running:
+        for k in range(3):
+            forget(filters[k])
+    out[OUT_FILTERED] = post_filter(filters[0], kind, weight, state[LIMIT_F])
+    out[OUT_FILTERED + 1] = post_filter(filters[1], kind, weight, state[LIMIT_R])
+    out[OUT_FILTERED + 2] = post_filter(filters[2], kind, weight, limit)
+    out[OUT_INNOVATION] = status[INNOVATION] if running else 0.0
+
+
+@njit(cache=True)
+def _confident(status: FloatArray, timer: int, running: bool, used: float, limit: float, tuning: FloatArray) -> float:
+    if running and limit > 0.0 and abs(used) > tuning[CONFIDENCE_RATIO] * limit:
+        status[timer] += tuning[SAMPLE_TIME]
+    else:
+        status[timer] = 0.0
+    return 1.0 if status[timer] >= tuning[CONFIDENCE_TIME] - 1e-9 and status[timer] > 0.0 else 0.0
+
+
+@njit(cache=True)
+def _used_deviation(
+    state: FloatArray, covariance: FloatArray, limit: int, slip: int, shape: float, stiffness: float
+) -> float:
+    scaled = stiffness * state[slip]
+    angle = shape * math.atan(scaled)
+    by_limit = math.sin(angle)
+    by_slip = state[limit] * shape * stiffness * math.cos(angle) / (1.0 + scaled * scaled)
+    return _root(
+        by_limit * by_limit * covariance[limit, limit]
+        + 2.0 * by_limit * by_slip * covariance[limit, slip]
+        + by_slip * by_slip * covariance[slip, slip]
+    )
+
+
+@njit(cache=True)
+def _root(variance: float) -> float:
+    return math.sqrt(max(variance, 0.0))

@@ -1,0 +1,122 @@
+"""Estimators by name: what each is called, reads, writes and can be told; how to build one."""
+
+from collections.abc import Mapping
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from estimators.description import Description
+from estimators.friction_outputs import FRICTION_OUTPUTS
+from estimators.friction_settings import FrictionEkfSettings, friction_inputs
+from signals.errors import InputError, nearest_name, unknown_name
+from signals.quantities import FileModel
+
+if TYPE_CHECKING:
+    from estimators.interface import Estimator
+
+
+@cache
+def _registry() -> dict[str, Description]:
+    entries = (
+        Description(
+            name="friction_ekf",
+            summary="largest and used friction of each axle, speed and slip, by an extended Kalman filter",
+            source="friction document, section 3.6 (Enisz 2015, eqs 88-105)",
+            settings=FrictionEkfSettings,
+            inputs=friction_inputs,
+            outputs=FRICTION_OUTPUTS,
+            implementation="estimators.friction_ekf:FrictionEkf",
+        ),
+    )
+    return {entry.name: entry for entry in entries}
+
+
+def names() -> tuple[str, ...]:
+    """Names of all estimators."""
+    return tuple(_registry())
+
+
+def describe(name: str) -> Description:
+    """What an estimator reads, writes and can be told.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name.
+    """
+    try:
+        return _registry()[name]
+    except KeyError:
+        raise unknown_name("estimator", name, names()) from None
+
+
+def create(
+    name: str,
+    vehicle: Mapping[str, float],
+    settings: Mapping[str, Any] | None = None,
+    sample_time_s: float = 0.001,
+) -> "Estimator":
+    """Build an estimator.
+
+    Parameters
+    ----------
+    name : str
+        Name in the registry.
+    vehicle : mapping
+        Nominal vehicle: dotted path to number in SI units.
+    settings : mapping, optional
+        Keys of the estimator's settings; nested mappings or dotted keys (``process_noise.slip``).
+    sample_time_s : float
+        Time between two ticks [s].
+
+    Raises
+    ------
+    InputError
+        If there is no such estimator, a setting is wrong or the vehicle lacks a number.
+    """
+    description = describe(name)
+    checked = validate_settings(name, settings or {})
+    module, function = description.implementation.split(":")
+    built: Estimator = getattr(import_module(module), function)(vehicle, checked, sample_time_s)
+    return built
+
+
+def validate_settings(name: str, settings: Mapping[str, Any]) -> Any:
+    """Settings of an estimator as its model, defaults filled in.
+
+    Raises
+    ------
+    InputError
+        Naming every wrong key, what was found and what is allowed.
+    """
+    description = describe(name)
+    try:
+        return description.settings.model_validate(_nested(settings))
+    except ValidationError as error:
+        lines = [_problem(name, problem, description.settings) for problem in error.errors()]
+        raise InputError("\n".join(lines)) from None
+
+
+def _problem(name: str, problem: Any, model: type[FileModel]) -> str:
+    *parents, key = map(str, problem["loc"])
+    place = ".".join(("estimators", name, *parents, key))
+    if problem["type"] != "extra_forbidden":
+        return f"{place}: found {problem['input']!r}; {problem['msg']}"
+    for parent in parents:
+        model = model.model_fields[parent].annotation  # type: ignore[assignment]
+    nearest = nearest_name(key, list(model.model_fields))
+    hint = f"did you mean {nearest}?" if nearest else f"allowed: {', '.join(model.model_fields)}"
+    return f"{place}: unknown key; {hint}"
+
+
+def _nested(settings: Mapping[str, Any]) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    for key, value in settings.items():
+        *parents, last = key.split(".")
+        place = result
+        for parent in parents:
+            place = place.setdefault(parent, {})
+        place[last] = dict(value) if isinstance(value, Mapping) else value
+    return result

@@ -1,0 +1,118 @@
+"""Traceability: tests name the requirement they check and record what they measured.
+
+``@pytest.mark.acceptance("F-A7")`` names one or more ids of ``docs/traceability.csv``; the fixture ``record`` keeps a
+measured value with its limit. With ``--write-traceability`` the file is updated from the run. See docs/traceability.md.
+"""
+
+import csv
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+TRACEABILITY = Path(__file__).resolve().parent.parent / "docs" / "traceability.csv"
+COLUMNS = ("id", "source_line", "test_node_id", "measured", "limit", "verdict")
+_PROPERTY = "acceptance"
+OPEN = "open"
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--write-traceability", action="store_true", help="write measured values and verdicts to docs/traceability.csv"
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "acceptance(*ids): ids of docs/traceability.csv that the test checks")
+    config.pluginmanager.register(_TraceabilityWriter(config), "traceability-writer")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    for mark in item.iter_markers("acceptance"):
+        for identifier in mark.args:
+            item.user_properties.append((_PROPERTY, {"id": identifier}))
+
+
+@pytest.fixture
+def record(request: pytest.FixtureRequest) -> Callable[..., None]:
+    """Keep a measured value: ``record("k0F mean", 1.118, "1.064 ... 1.176")``; ``id=`` picks one of several ids."""
+    ids = [identifier for mark in request.node.iter_markers("acceptance") for identifier in mark.args]
+    if not ids:
+        raise pytest.UsageError(f"{request.node.nodeid} records a value but has no acceptance mark")
+
+    def keep(quantity: str, value: float, limit: str, *, id: str = "") -> None:
+        if id and id not in ids:
+            raise pytest.UsageError(f"{request.node.nodeid} records for {id}, its mark names {', '.join(ids)}")
+        text = f"{value:.4g}" if isinstance(value, float) else str(value)
+        for identifier in [id] if id else ids:
+            kept = {"id": identifier, "measured": f"{quantity} = {text}", "limit": f"{quantity}: {limit}"}
+            request.node.user_properties.append((_PROPERTY, kept))
+
+    return keep
+
+
+class _TraceabilityWriter:
+    """Collects what the tests recorded, in the process that reports, and merges it into the file at the end."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        self._write = config.getoption("--write-traceability") and not hasattr(config, "workerinput")
+        self._rows: dict[tuple[str, str], dict[str, Any]] = {}
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if not self._write or not (report.when == "call" or report.outcome != "passed"):
+            return
+        node = report.nodeid.split("[")[0]
+        case = report.nodeid[len(node) :]
+        for name, kept in report.user_properties:
+            if name != _PROPERTY or not isinstance(kept, dict):
+                continue
+            row = self._rows.setdefault((kept["id"], node), {"outcomes": set(), "measured": [], "limit": []})
+            row["outcomes"].add(report.outcome)
+            if "measured" in kept:
+                row["measured"].append(f"{case} {kept['measured']}".strip())
+                if kept["limit"] not in row["limit"]:
+                    row["limit"].append(kept["limit"])
+
+    def pytest_sessionfinish(self) -> None:
+        if self._write and self._rows:
+            write_rows(TRACEABILITY, merge(read_rows(TRACEABILITY), self._rows))
+
+
+def read_rows(path: Path) -> list[dict[str, str]]:
+    """Rows of the traceability file."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def write_rows(path: Path, rows: list[dict[str, str]]) -> None:
+    """Write the traceability file."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def merge(rows: list[dict[str, str]], results: dict[tuple[str, str], dict[str, Any]]) -> list[dict[str, str]]:
+    """Rows with the results of a run; order of the ids as in the file, one row per id and test."""
+    sources: dict[str, str] = {}
+    by_id: dict[str, list[dict[str, str]]] = {}
+    for row in rows:
+        sources.setdefault(row["id"], row["source_line"])
+        by_id.setdefault(row["id"], []).append(row)
+    for (identifier, node), result in results.items():
+        if identifier not in sources:
+            raise pytest.UsageError(f"{node}: docs/traceability.csv has no id {identifier}")
+        verdict = "fail" if "failed" in result["outcomes"] else "pass" if "passed" in result["outcomes"] else "skipped"
+        updated = {
+            "id": identifier,
+            "source_line": sources[identifier],
+            "test_node_id": node,
+            "measured": "; ".join(result["measured"]),
+            "limit": "; ".join(result["limit"]),
+            "verdict": verdict,
+        }
+        kept = [row for row in by_id[identifier] if row["test_node_id"] not in ("", node)]
+        by_id[identifier] = [*kept, updated]
+    return [row for identifier in sources for row in sorted(by_id[identifier], key=lambda row: row["test_node_id"])]
