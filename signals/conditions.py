@@ -31,19 +31,23 @@ class Condition(FileModel):
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, populate_by_name=True, serialize_by_alias=True)
 
-    signal: str | None = Field(None, description="signal of the catalogue or output of an estimator; needs a threshold")
-    below: float | str | None = Field(None, description="holds while the signal is below this value (its unit, or SI)")
-    above: float | str | None = Field(None, description="holds while the signal is above this value")
-    equals: float | str | None = Field(None, description="holds while the signal has this value (to 1e-9)")
+    signal: str | None = Field(
+        default=None, description="signal of the catalogue or output of an estimator; needs a threshold"
+    )
+    below: float | str | None = Field(
+        default=None, description="holds while the signal is below this value (its unit, or SI)"
+    )
+    above: float | str | None = Field(default=None, description="holds while the signal is above this value")
+    equals: float | str | None = Field(default=None, description="holds while the signal has this value (to 1e-9)")
     time: float | None = parameter("s", None, low=0.0, description="holds from this time after the start of the run on")
     after: float | None = parameter(
         "s", None, low=0.0, description="holds from this time on, since the step began or the stimulus was armed"
     )
     distance: float | None = parameter("m", None, low=0.0, description="holds after this path has been driven")
-    phase: str | None = Field(None, description="holds while this step of the manoeuvre is active")
-    all: "list[Condition] | None" = Field(None, min_length=1, description="all of these hold")
-    any: "list[Condition] | None" = Field(None, min_length=1, description="at least one of these holds")
-    not_: "Condition | None" = Field(None, alias="not", description="this does not hold")
+    phase: str | None = Field(default=None, description="holds while this step of the manoeuvre is active")
+    all: "list[Condition] | None" = Field(default=None, min_length=1, description="all of these hold")
+    any: "list[Condition] | None" = Field(default=None, min_length=1, description="at least one of these holds")
+    not_: "Condition | None" = Field(default=None, alias="not", description="this does not hold")
     lasting: float | None = parameter("s", None, low=0.0, description="… and has held without a break for this time")
 
     @model_validator(mode="after")

@@ -1,0 +1,172 @@
+"""Scenario files: everything a run needs to know, from the car to the verdict.
+
+docs/scenario_reference.md is generated from these models.
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from bench.scenario.stimulus_file import StimulusEntry
+from bench.scenario.variants import Variants
+from bench.verdict.criteria_file import Criterion, ValidIfList
+from signals.conditions import Condition
+from signals.errors import FieldError
+from signals.quantities import FileModel, parameter
+from vehicle_model.manoeuvre_file import ManoeuvreFile
+from vehicle_model.road_file import RoadFile
+
+EcuKind = Literal["emulated", "inprocess", "external", "none"]
+
+
+class Ecu(FileModel):
+    """The ABS control unit and the way to it."""
+
+    kind: EcuKind = Field(
+        default="emulated",
+        description="emulated: `bench ecu` as a process of its own; inprocess: the same controller without a process; "
+        "external: somebody else runs it (a real ECU); none: nobody answers, the valves stay as they are",
+    )
+    link: str | None = Field(
+        default=None,
+        description="virtual, udp[:GROUP:PORT], socketcan:vcan0[,vcan1], slcan:/dev/ttyUSB0@500000 or IFACE:CHANNEL; "
+        "without it the best that the machine has",
+    )
+    dbc: str | None = Field(
+        default=None, description="CAN database, path relative to this file; without it brake_bus.dbc"
+    )
+    mapping: str | None = Field(
+        default=None, description="mapping file for an ECU's own database, path relative to this file"
+    )
+    calibration: str = Field(
+        default="sensitive", description="of the emulated ECU: sensitive, coarse or the path of a file"
+    )
+    expect: Literal["alive", "silent", "lost"] = Field(
+        default="alive",
+        description="alive: an ECU that does not answer or falls silent is an error; silent: it never answers; "
+        "lost: it may fall silent during the run",
+    )
+    kill: Condition | None = Field(default=None, description="the emulated ECU's process is killed when this holds")
+    first_answer: float = parameter(
+        "s", 5.0, low=0.1, high=600.0, description="wall-clock time within which the ECU has to answer"
+    )
+
+    @model_validator(mode="after")
+    def _killed(self) -> "Ecu":
+        if self.kill is not None and self.kind not in ("emulated", "inprocess"):
+            raise FieldError("only the emulated ECU can be killed", at=("kill",), allowed="kind: emulated beside it")
+        if self.kill is not None and self.expect == "alive":
+            raise FieldError(
+                "a killed ECU does not stay alive", at=("kill",), allowed="expect: lost or silent beside it"
+            )
+        return self
+
+
+class HydraulicUnitChoice(FileModel):
+    """Which hydraulic unit stands between the driver and the wheel brakes; its numbers are the vehicle file's."""
+
+    brake: Literal["hcu", "first_order"] = Field(
+        default="hcu",
+        description="hcu: hydraulic control unit of 2.6; first_order: the brake of eq. 79 with its delay, no ABS",
+    )
+    selection_logic: Literal["abs", "esp"] = Field(
+        default="abs", description="how valve states become increase, hold, decrease"
+    )
+
+
+class PlantOptions(FileModel):
+    """Numerics of the plant."""
+
+    wheel_substeps: int = Field(
+        default=5, ge=1, le=100, description="steps of the wheels' rotation within a tick of 1 ms"
+    )
+
+
+class Recording(FileModel):
+    """What a run leaves behind beside verdict, report and resolved scenario."""
+
+    mf4: bool = Field(default=True, description="signals.mf4, made when the run has ended")
+    blf: bool = Field(default=True, description="frames.blf with every frame, direction and channel")
+    asc: bool = Field(default=False, description="frames.asc beside it")
+    signals: list[str] = Field(
+        default=["*"], min_length=1, description="names or patterns (brake_pressure_*) of the signals in signals.mf4"
+    )
+
+
+def _settings(value: Any) -> Any:
+    if value is None:
+        return {}
+    if isinstance(value, list):
+        return {name: {} for name in value if isinstance(name, str)}
+    if isinstance(value, dict):
+        return {name: {} if settings is None else settings for name, settings in value.items()}
+    return value
+
+
+Estimators = Annotated[dict[str, dict[str, Any]], BeforeValidator(_settings, json_schema_input_type=Any)]
+
+
+class ScenarioFile(FileModel):
+    """A run: car, road, manoeuvre, ECU, what is changed on the way, what is recorded and what is demanded."""
+
+    format: Literal[1] = Field(default=1, description="version of this format")
+    id: str = Field(default="", description="name in reports; by default the path below scenarios/ without .yaml")
+    title: str = Field(default="", description="one line for `bench list`")
+    description: str = Field(default="", description="what the run shows and where its numbers come from")
+    standard: str = Field(default="", description="standard, clause or source that the scenario stands for")
+    include: list[str] = Field(
+        default=[],
+        description="files that this one is laid over, paths relative to it; later ones win, this file wins over all",
+    )
+    vehicle: str = Field(default="ekf_car", description="name of a shipped car or path of a vehicle file")
+    plant: Literal["mujoco", "single_track"] = Field(
+        default="mujoco",
+        description="mujoco: the 16-DOF car; single_track: the longitudinal twin of the friction document",
+    )
+    plant_options: PlantOptions = Field(default_factory=PlantOptions, description="numerics of the plant")
+    tyres: str | None = Field(
+        default=None, description="tyre file in place of the vehicle's: name of a shipped one or a path"
+    )
+    overrides: dict[str, float | str] = Field(
+        default={},
+        description="parameters of car and road by dotted path, e.g. brakes.front.pad_friction, road.friction",
+    )
+    sensors: dict[str, Any] = Field(
+        default={}, description="sensor errors, laid over the section of the same name in the vehicle file"
+    )
+    road: RoadFile | str = Field(
+        default_factory=RoadFile, description="name of a shipped road, path of a road file, or the road itself"
+    )
+    initial_speed: float = parameter("m/s", 0.0, low=0.0, high=120.0, description="at the start of the run")
+    initial_gear: int | None = Field(
+        default=None, ge=0, le=12, description="gear at the start; without it what suits the speed"
+    )
+    manoeuvre: ManoeuvreFile = Field(description="what the driver does, step by step")
+    hydraulic_unit: HydraulicUnitChoice = Field(default_factory=HydraulicUnitChoice, description="hydraulic unit")
+    ecu: Ecu = Field(default_factory=Ecu, description="the control unit under test and the link to it")
+    stimuli: list[StimulusEntry] = Field(
+        default=[], description="changes of parameters and signals while the run goes on"
+    )
+    estimators: Estimators = Field(
+        default={},
+        description="estimators to run and their settings; a second one of a kind is called NAME_ANYTHING, "
+        "e.g. friction_ekf_printed_sign",
+    )
+    recording: Recording = Field(default_factory=Recording, description="files of the run")
+    criteria: list[Criterion] = Field(default=[], description="what the run has to show")
+    valid_if: ValidIfList = Field(default=[], description="conditions without which every criterion is inconclusive")
+    pacing: Literal["realtime", "lockstep"] = Field(
+        default="realtime", description="realtime: by the wall clock; lockstep: virtual time, reproducible bit for bit"
+    )
+    time_limit: float = parameter("s", 60.0, low=0.001, high=36000.0, description="the run ends here at the latest")
+    seed: int = Field(default=1, ge=0, le=2**63 - 1, description="of every random number of the run")
+    variants: Variants | None = Field(default=None, description="further runs of this scenario with other values")
+
+    @model_validator(mode="after")
+    def _unique(self) -> "ScenarioFile":
+        seen: set[str] = set()
+        for number, stimulus in enumerate(self.stimuli):
+            if stimulus.name and stimulus.name in seen:
+                raise FieldError("two stimuli of one name", at=("stimuli", number, "name"))
+            seen.add(stimulus.name)
+        return self
