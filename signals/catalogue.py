@@ -121,6 +121,8 @@ def _plant() -> list[Signal]:
             block, "dissipated_energy", "J", "energy lost in brakes, tyres, drag, rolling, dampers since the start"
         ),
         _signal(block, "drive_energy", "J", "work done by the drive torques since the start"),
+        _signal(block, "road_grade", "1", "rise over run of the road at the car, uphill positive", ("%", 100.0)),
+        _signal(block, "road_bank", "1", "rise over run across the road, left side higher is positive", ("%", 100.0)),
     ]
 
 
