@@ -63,10 +63,10 @@ class Plant(Protocol):
         """Dotted paths of every parameter, the road's as ``road.…``."""
 
     def get(self, path: str) -> float:
-        """Value of a parameter in SI units; KeyError if there is none of that path."""
+        """Value of a parameter in SI units; InputError if there is none of that path."""
 
     def set(self, path: str, value: float) -> None:
-        """Change a parameter from the next tick on; KeyError if there is none, ValueError outside its range."""
+        """Change a parameter from the next tick on; InputError if there is none or the value is refused."""
 
     def state(self) -> dict[str, float]:
         """Outputs of the last tick by name."""

@@ -133,6 +133,14 @@ def find(model: BaseModel, path: str, prefix: str = "") -> _Leaf:
     raise InputError(f"no parameter {path!r}{hint}")
 
 
+def get_parameter(model: BaseModel, path: str, prefix: str = "") -> float:
+    """Value of one parameter in SI units; InputError if there is none of that path."""
+    value = find(model, path, prefix).value()
+    if value is None:
+        raise InputError(f"{path}: has no value")
+    return value
+
+
 def set_parameter(model: BaseModel, path: str, value: float | str, prefix: str = "") -> None:
     """Change one parameter of a file model in place.
 

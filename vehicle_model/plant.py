@@ -1,0 +1,220 @@
+"""The MuJoCo car: 16 degrees of freedom, one compiled call per millisecond.
+
+car = Plant(load_vehicle("ekf_car"), load_road("dry"))
+car.reset(speed_m_s=25.0)
+car.step(1000, brake_torque=1500.0)
+car.state()["speed"]
+car.set("road.friction", 0.5)
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from signals.errors import unknown_name
+from vehicle_model import parameters
+from vehicle_model.body_forces import steering_angle
+from vehicle_model.equilibrium import solve_equilibrium
+from vehicle_model.interface import PLANT_OUTPUTS, TIME_STEP_S
+from vehicle_model.mjcf import build_model, write_bodies
+from vehicle_model.parameters import ParameterInfo
+from vehicle_model.plant_parameters import RIGID_BODY_SECTIONS, SECTIONS, PlantOptions, copy_of, write_parameters
+from vehicle_model.plant_record import (
+    PARAMETER_RECORD,
+    POSITION_STEER,
+    STATE_RECORD,
+    VELOCITY_SPIN,
+)
+from vehicle_model.plant_step import ADDRESS_NAMES, advance, refresh, support_forces
+from vehicle_model.rigid_bodies import RigidBodies, rigid_bodies
+from vehicle_model.road import RoadTables
+from vehicle_model.road_file import RoadFile
+from vehicle_model.tyres.coefficients import TYRE_SIZE
+from vehicle_model.tyres.kernel import PREPARED_SIZE
+from vehicle_model.vehicle_file import VehicleFile
+
+
+class Plant:
+    """A car on a road (see ``vehicle_model.interface.Plant`` for what every plant offers).
+
+    Parameters
+    ----------
+    vehicle : VehicleFile
+        As ``load_vehicle`` gives it; a copy is kept.
+    road : RoadFile, optional
+        Level and dry if left out; a copy is kept.
+    wheel_substeps : int
+        Steps of the wheels' spin per integration step.
+    steps_per_tick : int
+        Integration steps of the car per millisecond.
+
+    Raises
+    ------
+    InputError
+        If the masses and inertias are those of no car, or the road names an unknown surface.
+    """
+
+    time_step_s = TIME_STEP_S
+
+    def __init__(
+        self,
+        vehicle: VehicleFile,
+        road: RoadFile | None = None,
+        *,
+        wheel_substeps: int = 5,
+        steps_per_tick: int = 1,
+    ) -> None:
+        self._vehicle = copy_of(vehicle)
+        self._at_rest = copy_of(vehicle)
+        self._numbers_at_rest = self._at_rest.numbers()
+        self._options = PlantOptions(steps_per_tick=steps_per_tick, wheel_substeps=wheel_substeps)
+        self._road = RoadTables(road or RoadFile())
+        self._parameters = np.zeros(1, PARAMETER_RECORD)
+        self._state = np.zeros(1, STATE_RECORD)
+        self._tyres = np.zeros((4, TYRE_SIZE))
+        self._prepared = np.zeros((4, PREPARED_SIZE))
+        self._brake, self._drive = np.zeros(4), np.zeros(4)
+        self._time_s = 0.0
+        bodies = self._bodies()
+        self._model = build_model(bodies, TIME_STEP_S / steps_per_tick)
+        self._data = mujoco.MjData(self._model)
+        self._write(bodies)
+        self.outputs = np.zeros(len(PLANT_OUTPUTS))
+        self._addresses = np.zeros(len(ADDRESS_NAMES), np.int64)
+        self._take_addresses()
+        self.reset(speed_m_s=0.0)
+
+    def _bodies(self) -> RigidBodies:
+        return rigid_bodies(self._vehicle.numbers(), self._numbers_at_rest)
+
+    def _write(self, bodies: RigidBodies) -> None:
+        self._model.opt.timestep = TIME_STEP_S / self._options.steps_per_tick
+        write_bodies(self._model, bodies)
+        write_parameters(self._parameters, self._tyres, self._vehicle, self._at_rest, bodies, self._options)
+
+    def _take_addresses(self) -> None:
+        memory: dict[str, NDArray[Any]] = {
+            "positions": self._data.qpos,
+            "velocities": self._data.qvel,
+            "forces": self._data.qfrc_applied,
+            "gravity": self._model.opt.gravity,
+            "parameters": self._parameters,
+            "state": self._state,
+            "tyres": self._tyres,
+            "prepared": self._prepared,
+            "road": self._road.record,
+            "jumps": self._road.jumps,
+            "patches": self._road.patches,
+            "points": self._road.points,
+            "surfaces": self._road.surfaces,
+            "outputs": self.outputs,
+        }
+        addresses = {name: array.ctypes.data for name, array in memory.items()}
+        addresses |= {"model": self._model._address, "data": self._data._address}
+        self._addresses[:] = [addresses[name] for name in ADDRESS_NAMES]
+
+    def bind(self, view: NDArray[np.float64]) -> None:
+        """Write the outputs into ``view`` (block "plant" of a signal vector) from now on."""
+        if view.shape != (len(PLANT_OUTPUTS),) or view.dtype != np.float64 or not view.flags.c_contiguous:
+            raise ValueError(f"found a view of shape {view.shape}, allowed: {len(PLANT_OUTPUTS)} consecutive float64")
+        view[:] = self.outputs
+        self.outputs = view
+        self._take_addresses()
+
+    def reset(
+        self,
+        *,
+        speed_m_s: float,
+        position_x_m: float = 0.0,
+        position_y_m: float = 0.0,
+        yaw_angle_rad: float = 0.0,
+        time_s: float = 0.0,
+    ) -> None:
+        """Static equilibrium, moving at ``speed_m_s`` along the heading with freely rolling wheels."""
+        mujoco.mj_resetData(self._model, self._data)
+        self._state[:] = np.zeros(1, STATE_RECORD)
+        self._time_s = time_s
+        q, v = self._data.qpos, self._data.qvel
+        q[:3] = position_x_m, position_y_m, self._parameters["height"][0]
+        for wheel, place in enumerate(POSITION_STEER):
+            q[place] = steering_angle(self._parameters[0], wheel, 0.0)
+        self._state["yaw"] = yaw_angle_rad
+        solve_equilibrium(self._model, self._data, lambda: support_forces(self._addresses, 0.0, time_s), yaw_angle_rad)
+        mujoco.mj_forward(self._model, self._data)
+        self._data.qfrc_applied[:] = 0.0
+        v[0], v[1] = speed_m_s * np.cos(yaw_angle_rad), speed_m_s * np.sin(yaw_angle_rad)
+        for wheel, place in enumerate(VELOCITY_SPIN):
+            v[place] = speed_m_s / self._parameters["radius"][0, wheel]
+        refresh(self._addresses, time_s)
+
+    def tick(
+        self, brake_torque: NDArray[np.float64], drive_torque: NDArray[np.float64], steer: float, time_s: float
+    ) -> None:
+        """Advance by 1 ms (see ``vehicle_model.interface.Plant.tick``)."""
+        advance(self._addresses, brake_torque, drive_torque, steer, time_s, 1)
+
+    def step(self, n: int, *, brake_torque: ArrayLike = 0.0, drive_torque: ArrayLike = 0.0, steer: float = 0.0) -> None:
+        """Advance by ``n`` milliseconds with constant inputs; torques are one number or one per wheel [N m]."""
+        self._brake[:] = brake_torque
+        self._drive[:] = drive_torque
+        advance(self._addresses, self._brake, self._drive, steer, self._time_s, n)
+        self._time_s += n * TIME_STEP_S
+
+    def names(self) -> tuple[str, ...]:
+        """Dotted paths of every parameter, the road's as ``road.…``, the numerics' as ``plant.…``."""
+        return tuple(info.path for info in self.parameter_table())
+
+    def parameter_table(self) -> list[ParameterInfo]:
+        """Every parameter with unit, value, range and neutral value."""
+        return list(self._infos())
+
+    def _infos(self) -> Iterator[ParameterInfo]:
+        for section in SECTIONS:
+            yield from parameters.parameter_infos(getattr(self._vehicle, section), f"{section}.", self._vehicle.sources)
+        yield from parameters.parameter_infos(self._road.road, "road.")
+        yield from parameters.parameter_infos(self._options, "plant.")
+
+    def _owner(self, path: str) -> tuple[Any, str]:
+        section = path.partition(".")[0]
+        if section == "road":
+            return self._road.road, "road."
+        if section == "plant":
+            return self._options, "plant."
+        if section in SECTIONS:
+            return getattr(self._vehicle, section), f"{section}."
+        raise unknown_name("section of the plant", section, (*SECTIONS, "road", "plant"))
+
+    def get(self, path: str) -> float:
+        """Value of a parameter in SI units; InputError if there is none of that path."""
+        model, prefix = self._owner(path)
+        return parameters.get_parameter(model, path, prefix)
+
+    def set(self, path: str, value: float | str) -> None:
+        """Change a parameter from the next tick on; InputError if there is none or the value is refused."""
+        if path.startswith("road."):
+            self._road.set(path, value)
+            return
+        model, prefix = self._owner(path)
+        before = parameters.get_parameter(model, path, prefix)
+        parameters.set_parameter(model, path, value, prefix)
+        try:
+            bodies = self._bodies()
+        except Exception:
+            parameters.set_parameter(model, path, before, prefix)
+            raise
+        if path.startswith(RIGID_BODY_SECTIONS) or prefix == "plant.":
+            self._write(bodies)
+        else:
+            write_parameters(self._parameters, self._tyres, self._vehicle, self._at_rest, bodies, self._options)
+
+    def state(self) -> dict[str, float]:
+        """Outputs of the last tick by name."""
+        return dict(zip(PLANT_OUTPUTS, self.outputs.tolist(), strict=True))
+
+    def energy_account(self) -> dict[str, float]:
+        """Energies since the reset [J]: what brakes, tyres, rolling, dampers and air took, and what the drive gave."""
+        kinds = ("brake_energy", "tyre_energy", "rolling_energy", "damper_energy", "air_energy", "drive_energy")
+        return {kind: float(self._state[kind][0]) for kind in kinds}

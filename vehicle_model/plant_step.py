@@ -1,0 +1,197 @@
+"""One tick of the MuJoCo car, compiled: wheels, forces, MuJoCo's integration, energies, outputs.
+
+Order of an integration step: the kinematics of this instant are known; loads follow from the hubs' heights; each
+wheel's spin is integrated in sub-steps with the car's motion held, which gives the mean tyre forces; the generalised
+forces go to MuJoCo, which integrates; the wheels' speeds are written back; the new kinematics close the energy account.
+"""
+
+import math
+
+import numba
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from vehicle_model.body_forces import add_air, add_steering, add_suspension, add_tyres, clear, vertical_loads
+from vehicle_model.energy import account, keep_before, update_first_moment
+from vehicle_model.external_mujoco import mj_step, pointer
+from vehicle_model.kinematics import update_kinematics
+from vehicle_model.plant_outputs import write_outputs
+from vehicle_model.plant_record import PARAMETER_RECORD, POSITIONS, STATE_RECORD, VELOCITIES, VELOCITY_SPIN, Record
+from vehicle_model.road import JUMP_SIZE, PATCH_SIZE, POINT_SIZE, ROAD_RECORD, friction_at, slopes_at, write_gravity
+from vehicle_model.tyres.coefficients import SURFACE_SIZE, TYRE_SIZE
+from vehicle_model.tyres.kernel import PEAK_FORCE_X, PREPARED_SIZE, prepare
+from vehicle_model.wheel_step import spin_wheel
+
+TICK_S = 1e-3
+
+# the list of addresses that every entry point gets
+ADDRESS_NAMES = (
+    "model",
+    "data",
+    "positions",
+    "velocities",
+    "forces",
+    "gravity",
+    "parameters",
+    "state",
+    "tyres",
+    "prepared",
+    "road",
+    "jumps",
+    "patches",
+    "points",
+    "surfaces",
+    "outputs",
+)
+_MODEL, _DATA, _Q, _V, _FORCE, _GRAVITY, _PARAMETERS, _STATE = range(8)
+_TYRES, _PREPARED, _ROAD, _JUMPS, _PATCHES, _POINTS, _SURFACES, _OUTPUTS = range(8, 16)
+
+_OUTPUT_COUNT = 128
+
+
+@njit(cache=True)
+def _prepare_tyres(
+    p: Record,
+    s: Record,
+    q: NDArray[np.float64],
+    addresses: NDArray[np.int64],
+    time: float,
+) -> None:
+    """Friction under each wheel and the rows that hold for this step; direction of gravity."""
+    road = numba.carray(pointer(addresses[_ROAD]), 1, ROAD_RECORD)[0]
+    jumps = numba.carray(pointer(addresses[_JUMPS]), (road.jumps, JUMP_SIZE), numba.float64)
+    patches = numba.carray(pointer(addresses[_PATCHES]), (road.patches, PATCH_SIZE), numba.float64)
+    points = numba.carray(pointer(addresses[_POINTS]), (road.points, POINT_SIZE), numba.float64)
+    surfaces = numba.carray(pointer(addresses[_SURFACES]), (road.surfaces, SURFACE_SIZE), numba.float64)
+    tyres = numba.carray(pointer(addresses[_TYRES]), (4, TYRE_SIZE), numba.float64)
+    prepared = numba.carray(pointer(addresses[_PREPARED]), (4, PREPARED_SIZE), numba.float64)
+    gravity = numba.carray(pointer(addresses[_GRAVITY]), 3, numba.float64)
+    s.grade, s.bank = slopes_at(road, points, q[0])
+    write_gravity(road.gravity, s.grade, s.bank, gravity)
+    for i in range(4):
+        friction, surface = friction_at(road, jumps, patches, q[0] + s.hub[i, 0], q[1] + s.hub[i, 1], time)
+        speed = math.sqrt(s.hub_velocity[i, 0] ** 2 + s.hub_velocity[i, 1] ** 2)
+        load = max(s.load[i], 1e-3)
+        prepare(tyres[i], surfaces[surface], friction * p.friction_factor[i], load, speed, prepared[i])
+        s.peak_friction[i] = prepared[i, PEAK_FORCE_X] / load
+
+
+@njit(cache=True)
+def _integrate(
+    p: Record,
+    s: Record,
+    addresses: NDArray[np.int64],
+    brake: NDArray[np.float64],
+    drive: NDArray[np.float64],
+    steer: float,
+    time: float,
+    step: float,
+) -> None:
+    """One step of MuJoCo with the forces of this instant."""
+    q = numba.carray(pointer(addresses[_Q]), POSITIONS, numba.float64)
+    v = numba.carray(pointer(addresses[_V]), VELOCITIES, numba.float64)
+    force = numba.carray(pointer(addresses[_FORCE]), VELOCITIES, numba.float64)
+    gravity = numba.carray(pointer(addresses[_GRAVITY]), 3, numba.float64)
+    prepared = numba.carray(pointer(addresses[_PREPARED]), (4, PREPARED_SIZE), numba.float64)
+    road = numba.carray(pointer(addresses[_ROAD]), 1, ROAD_RECORD)[0]
+
+    vertical_loads(p, s, q)
+    _prepare_tyres(p, s, q, addresses, time)
+    for i in range(4):
+        heading_x, heading_y = s.forward[i, 0], s.forward[i, 1]
+        at_x, at_y = s.contact_velocity[i, 0], s.contact_velocity[i, 1]
+        along, across = heading_x * at_x + heading_y * at_y, heading_x * at_y - heading_y * at_x
+        spin = v[VELOCITY_SPIN[i]]
+        s.new_spin[i] = spin_wheel(p, s, i, prepared[i], spin, max(brake[i], 0.0), drive[i], along, across, step)
+
+    clear(force)
+    add_suspension(p, s, q, v, force)
+    add_steering(p, s, q, v, steer, force)
+    add_tyres(p, s, q, force)
+    add_air(p, s, v, q[2], road.wind_x, road.wind_y, force)
+    for i in range(4):
+        change = (s.new_spin[i] - v[VELOCITY_SPIN[i]]) / step + s.carrier_acceleration[i]
+        force[VELOCITY_SPIN[i]] = p.spin_inertia[i] * change
+
+    keep_before(s, v)
+    mj_step(addresses[_MODEL], addresses[_DATA])
+    for i in range(4):
+        v[VELOCITY_SPIN[i]] = s.new_spin[i]
+    update_kinematics(p, s, q, v)
+    update_first_moment(p, s)
+    account(p, s, v, gravity, step)
+    for i in range(4):
+        s.carrier_acceleration[i] = (s.carrier_rate[i] - s.carrier_rate_before[i]) / step
+    before = math.sqrt(s.velocity_before[0] ** 2 + s.velocity_before[1] ** 2)
+    s.distance += 0.5 * step * (before + math.sqrt(v[0] * v[0] + v[1] * v[1]))
+
+
+@njit(cache=True)
+def advance(
+    addresses: NDArray[np.int64],
+    brake: NDArray[np.float64],
+    drive: NDArray[np.float64],
+    steer: float,
+    time: float,
+    ticks: int,
+) -> None:
+    """Advance by ``ticks`` milliseconds with constant inputs and write the outputs.
+
+    Parameters
+    ----------
+    addresses
+        Where the memory of ``ADDRESS_NAMES`` lies.
+    brake, drive : shape (4,), N m
+        Torque that each brake can transmit; drive torque.
+    steer : rad
+        Steering-wheel angle.
+    time : s
+        Time of the run at the start.
+    """
+    p = numba.carray(pointer(addresses[_PARAMETERS]), 1, PARAMETER_RECORD)[0]
+    s = numba.carray(pointer(addresses[_STATE]), 1, STATE_RECORD)[0]
+    q = numba.carray(pointer(addresses[_Q]), POSITIONS, numba.float64)
+    v = numba.carray(pointer(addresses[_V]), VELOCITIES, numba.float64)
+    out = numba.carray(pointer(addresses[_OUTPUTS]), _OUTPUT_COUNT, numba.float64)
+    step = TICK_S / p.steps
+    for tick in range(ticks):
+        start_x, start_y, start_z = v[0], v[1], v[2]
+        for part in range(p.steps):
+            _integrate(p, s, addresses, brake, drive, steer, time + tick * TICK_S + part * step, step)
+        s.acceleration[0] = (v[0] - start_x) / TICK_S
+        s.acceleration[1] = (v[1] - start_y) / TICK_S
+        s.acceleration[2] = (v[2] - start_z) / TICK_S
+    write_outputs(p, s, q, v, out)
+
+
+@njit(cache=True)
+def refresh(addresses: NDArray[np.int64], time: float) -> None:
+    """Kinematics, loads, friction and outputs of a state that was set from outside."""
+    p = numba.carray(pointer(addresses[_PARAMETERS]), 1, PARAMETER_RECORD)[0]
+    s = numba.carray(pointer(addresses[_STATE]), 1, STATE_RECORD)[0]
+    q = numba.carray(pointer(addresses[_Q]), POSITIONS, numba.float64)
+    v = numba.carray(pointer(addresses[_V]), VELOCITIES, numba.float64)
+    out = numba.carray(pointer(addresses[_OUTPUTS]), _OUTPUT_COUNT, numba.float64)
+    update_kinematics(p, s, q, v)
+    update_first_moment(p, s)
+    vertical_loads(p, s, q)
+    _prepare_tyres(p, s, q, addresses, time)
+    write_outputs(p, s, q, v, out)
+
+
+@njit(cache=True)
+def support_forces(addresses: NDArray[np.int64], steer: float, time: float) -> None:
+    """Generalised forces of springs and loads alone, for the static equilibrium."""
+    p = numba.carray(pointer(addresses[_PARAMETERS]), 1, PARAMETER_RECORD)[0]
+    s = numba.carray(pointer(addresses[_STATE]), 1, STATE_RECORD)[0]
+    q = numba.carray(pointer(addresses[_Q]), POSITIONS, numba.float64)
+    v = numba.carray(pointer(addresses[_V]), VELOCITIES, numba.float64)
+    force = numba.carray(pointer(addresses[_FORCE]), VELOCITIES, numba.float64)
+    update_kinematics(p, s, q, v)
+    vertical_loads(p, s, q)
+    _prepare_tyres(p, s, q, addresses, time)
+    clear(force)
+    add_suspension(p, s, q, v, force)
+    add_steering(p, s, q, v, steer, force)
+    add_tyres(p, s, q, force)

@@ -1,0 +1,200 @@
+"""Spin and contact of one wheel over one integration step, compiled.
+
+The car's motion is held; the wheel's spin is integrated in sub-steps, linearly implicit in the slope of the tyre force,
+so that it is stable down to standstill. Friction of brake and rolling is set-valued: it takes any value up to its
+capacity, so that a braked wheel stands exactly still. Below a low speed elastic bristles carry the force in place of
+the slip curve, which is not defined there.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from vehicle_model.plant_record import Record
+from vehicle_model.tyres.kernel import PEAK_FORCE_X, PEAK_FORCE_Y, PEAK_SLIP_X, PEAK_SLIP_Y, STIFFNESS_X, STIFFNESS_Y
+from vehicle_model.tyres.kernel import evaluate as tyre_forces
+
+_SMALLEST_SPEED = 1e-6
+
+
+@njit(cache=True)
+def _friction_limit(
+    tyre: NDArray[np.float64],
+    slip_x: float,
+    slip_y: float,
+    curve_x: float,
+    curve_y: float,
+    force_x: float,
+    force_y: float,
+) -> float:
+    """Largest bristle force in the direction of (force_x, force_y): the peak before it is passed, the curve after."""
+    relative_x, relative_y = slip_x / tyre[PEAK_SLIP_X], slip_y / tyre[PEAK_SLIP_Y]
+    if relative_x * relative_x + relative_y * relative_y > 1.0:
+        return math.sqrt(curve_x * curve_x + curve_y * curve_y)
+    length = math.sqrt(force_x * force_x + force_y * force_y)
+    peak_x, peak_y = tyre[PEAK_FORCE_X], tyre[PEAK_FORCE_Y]
+    if length == 0.0 or peak_x <= 0.0 or peak_y <= 0.0:
+        return peak_x
+    along, across = force_x / length / peak_x, force_y / length / peak_y
+    return 1.0 / math.sqrt(along * along + across * across)
+
+
+@njit(cache=True)
+def _bristles(
+    p: Record,
+    s: Record,
+    i: int,
+    tyre: NDArray[np.float64],
+    slip_x: float,
+    slip_y: float,
+    curve_x: float,
+    curve_y: float,
+    slide_x: float,
+    slide_y: float,
+    roll: float,
+    step: float,
+) -> tuple[float, float, float]:
+    """Force of the bristles and its derivative by the sliding speed along the wheel.
+
+    Parameters
+    ----------
+    slide_x, slide_y : m/s
+        Speed of the tread over the road, turned round: forces point along it.
+    roll : m/s
+        Magnitude of the rolling speed, at which deflected bristles leave the contact.
+    """
+    stiff_x, stiff_y, damping = p.contact_stiffness_x[i], p.contact_stiffness_y[i], p.contact_damping[i]
+    # in steady rolling the deflection is slip times stiffness over bristle stiffness: both descriptions agree
+    left_x = 1.0 + step * roll * stiff_x / max(tyre[STIFFNESS_X], 1.0)
+    left_y = 1.0 + step * roll * stiff_y / max(tyre[STIFFNESS_Y], 1.0)
+    force_x = stiff_x * (s.bristle_x[i] + step * slide_x) / left_x + damping * slide_x
+    force_y = stiff_y * (s.bristle_y[i] + step * slide_y) / left_y + damping * slide_y
+    limit = _friction_limit(tyre, slip_x, slip_y, curve_x, curve_y, force_x, force_y)
+    length = math.sqrt(force_x * force_x + force_y * force_y)
+    if length > limit:
+        share = limit / length
+        return force_x * share, force_y * share, 0.0
+    return force_x, force_y, stiff_x * step / left_x + damping
+
+
+@njit(cache=True)
+def spin_wheel(
+    p: Record,
+    s: Record,
+    i: int,
+    tyre: NDArray[np.float64],
+    omega: float,
+    brake: float,
+    drive: float,
+    v_x: float,
+    v_y: float,
+    time_step: float,
+) -> float:
+    """Integrate the spin of wheel ``i``; mean forces and torques go into the state ``s``.
+
+    Parameters
+    ----------
+    omega : rad/s
+        Speed of the wheel relative to its carrier.
+    brake, drive : N m
+        Torque that the brake can transmit; drive torque.
+    v_x, v_y : m/s
+        Velocity of the carrier at the contact, along the wheel's heading and to its left.
+
+    Returns
+    -------
+    float
+        Speed of the wheel after the step.
+    """
+    substeps = p.substeps
+    h = time_step / substeps
+    radius, inertia = p.radius[i], p.spin_inertia[i]
+    rolling = p.rolling_resistance[i] * s.load[i] * radius
+    capacity = brake + rolling
+    brake_share = brake / capacity if capacity > 0.0 else 0.0
+    full_below, none_above = p.contact_full_below[i], p.contact_none_above[i]
+    relaxation_x, relaxation_y = p.relaxation_x[i], p.relaxation_y[i]
+    stiff_x, stiff_y, damping = p.contact_stiffness_x[i], p.contact_stiffness_y[i], p.contact_damping[i]
+    inertia_torque = inertia * s.carrier_acceleration[i]
+    sum_x = sum_y = sum_z = sum_friction = 0.0
+    friction_work = drive_work = tyre_work = 0.0
+    slide_y = -v_y
+    abs_x, abs_y = abs(v_x), abs(v_y)
+    b_x = b_y = b_slope = 0.0
+
+    for _ in range(substeps):
+        roll = radius * omega
+        slide_x = roll - v_x
+        speed = max(max(abs_x, abs_y), abs(roll))
+        divisor = max(speed, _SMALLEST_SPEED)
+        slip_x, slip_y = slide_x / divisor, slide_y / divisor
+        # derivative of slip_x by omega: the divisor turns with the wheel where rolling is the faster
+        slip_slope = radius * v_x / (divisor * roll) if abs(roll) >= divisor and v_x * roll > 0.0 else radius / divisor
+        if speed < full_below:
+            s.lagged_slip_x[i], s.lagged_slip_y[i] = slip_x, slip_y
+        else:
+            weight_x = 1.0 / (relaxation_x + h * divisor)
+            weight_y = 1.0 / (relaxation_y + h * divisor)
+            if relaxation_x > 0.0:
+                slip_x = (relaxation_x * s.lagged_slip_x[i] + h * slide_x) * weight_x
+                slip_slope *= h * divisor * weight_x
+            if relaxation_y > 0.0:
+                slip_y = (relaxation_y * s.lagged_slip_y[i] + h * slide_y) * weight_y
+            s.lagged_slip_x[i], s.lagged_slip_y[i] = slip_x, slip_y
+        force_x, force_y, slope, moment_z = tyre_forces(tyre, slip_x, slip_y)
+        slope *= slip_slope
+        if speed < none_above:
+            b_x, b_y, b_slope = _bristles(
+                p, s, i, tyre, slip_x, slip_y, force_x, force_y, slide_x, slide_y, abs(roll), h
+            )
+            share = min((none_above - speed) / (none_above - full_below), 1.0)
+            force_x += share * (b_x - force_x)
+            force_y += share * (b_y - force_y)
+            slope += share * (radius * b_slope - slope)
+            moment_z *= 1.0 - share
+        slope = max(slope, 0.0)
+
+        # momentum without friction, linearly implicit; friction then takes as much of it as it can
+        momentum = inertia * omega + h * (drive - force_x * radius - inertia_torque) + h * radius * slope * omega
+        mass = inertia + h * radius * slope
+        if abs(momentum) <= h * capacity:
+            new_omega = 0.0
+            friction = -momentum / h
+        else:
+            friction = -capacity if momentum > 0.0 else capacity
+            new_omega = (momentum + h * friction) / mass
+        force_x += slope * (new_omega - omega)
+        mean_omega = 0.5 * (omega + new_omega)
+        if speed < none_above:
+            # the deflection that carries this force; it also holds where the bristles slide
+            slide_x = radius * new_omega - v_x
+            b_x += b_slope * radius * (new_omega - omega)
+            s.bristle_x[i] = (b_x - damping * slide_x) / stiff_x
+            s.bristle_y[i] = (b_y - damping * slide_y) / stiff_y
+        omega = new_omega
+        sum_x += force_x
+        sum_y += force_y
+        sum_z += moment_z
+        sum_friction += friction
+        friction_work -= friction * mean_omega
+        drive_work += drive * mean_omega
+        tyre_work += force_x * radius * mean_omega
+
+    mean_friction = sum_friction / substeps
+    s.force_x[i] = sum_x / substeps
+    s.force_y[i] = sum_y / substeps
+    s.moment_z[i] = sum_z / substeps
+    s.brake_torque[i] = -mean_friction * brake_share
+    s.rolling_torque[i] = -mean_friction * (1.0 - brake_share)
+    s.drive_torque[i] = drive
+    s.brake_energy += h * friction_work * brake_share
+    s.rolling_energy += h * friction_work * (1.0 - brake_share)
+    s.drive_energy += h * drive_work
+    s.tyre_energy += h * tyre_work
+    if max(max(abs_x, abs_y), abs(radius * omega)) >= none_above:
+        slide_x = radius * omega - v_x
+        s.bristle_x[i] = (s.force_x[i] - damping * slide_x) / stiff_x
+        s.bristle_y[i] = (s.force_y[i] - damping * slide_y) / stiff_y
+    return omega
