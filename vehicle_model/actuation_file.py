@@ -134,6 +134,12 @@ class Engine(FileModel):
     maximum_speed: float = parameter(
         "rad/s", 680.0, low=100.0, high=2000.0, description="limiter", source="assumed: 6500 rpm"
     )
+    limiter_band: float = parameter(
+        "rad/s", 15.0, low=1.0, high=200.0, description="below the limiter's speed, in which it cuts the torque"
+    )
+    idle_gain: float = parameter(
+        "N m s/rad", 5.0, low=0.0, high=100.0, description="torque of the idle control per missing speed"
+    )
     inertia: float = parameter("kg m^2", 0.2, low=0.001, high=10.0, description="engine and flywheel", source=_ASSUMED)
     time_constant: float = parameter("s", 0.1, low=0.001, high=2.0, description="torque build-up", source=_ASSUMED)
 
@@ -163,5 +169,11 @@ class Driveline(FileModel):
     efficiency: float = parameter("1", 0.93, low=0.1, high=1.0, description="engine to wheel", source=_ASSUMED)
     clutch_torque: float = parameter(
         "N m", 600.0, low=1.0, high=1e4, description="capacity when closed", source=_ASSUMED
+    )
+    shaft_stiffness: float = parameter(
+        "N m/rad", 1.2e4, low=100.0, high=1e6, description="all half shafts together", source=_ASSUMED
+    )
+    shaft_damping: float = parameter(
+        "N m s/rad", 80.0, low=0.0, high=1e4, description="all half shafts together", source=_ASSUMED
     )
     engine: Engine

@@ -38,14 +38,16 @@ class Accelerate(FileModel):
         "1/s", 5.0, low=0.1, high=100.0, description="of the pedal's way", source=_HUMAN
     )
     gears: Gears = Field(
-        "auto", description="auto shifts up from the gear that is engaged, a number stays in that gear"
+        default="auto", description="auto shifts up from the gear that is engaged, a number stays in that gear"
     )
-    highest_gear: int | None = Field(None, ge=1, le=12, description="last gear of auto; without it the gearbox's last")
+    highest_gear: int | None = Field(
+        default=None, ge=1, le=12, description="last gear of auto; without it the gearbox's last"
+    )
     shift_up_engine_speed: float | None = parameter(
         "rad/s", None, low=50.0, high=2000.0, description="of auto; without it 92 % of the engine's maximum"
     )
     shift_up_speeds: list[float] = Field(
-        [],
+        default=[],
         description="speeds of the car at which auto leaves gear 1, 2, …; they win over the engine speed",
         json_schema_extra={"unit": "m/s"},
     )
@@ -69,14 +71,16 @@ class HoldSpeed(FileModel):
     """Hold a speed with the accelerator; the brake is not used."""
 
     speed: float = parameter("m/s", low=0.0, high=120.0, description="to hold")
-    gears: Gears = Field("auto", description="auto takes the gear that suits the speed, a number stays in that gear")
+    gears: Gears = Field(
+        default="auto", description="auto takes the gear that suits the speed, a number stays in that gear"
+    )
     proportional_gain: float = parameter("s/m", 0.3, low=0.0, high=10.0, description="pedal over speed error")
     integral_gain: float = parameter("1/m", 0.1, low=0.0, high=10.0, description="pedal over way error")
 
 
 class _Brake(FileModel):
     shape: Literal["linear", "human"] = Field(
-        "linear", description="human: a half cosine whose steepest slope is the ramp"
+        default="linear", description="human: a half cosine whose steepest slope is the ramp"
     )
     clutch: Literal["open", "closed"] = Field(
         "open", description="closed keeps the engine engaged until it would be stalled"
@@ -170,7 +174,7 @@ class Steer(FileModel):
     angle: float | None = parameter("rad", None, low=-12.0, high=12.0, description="held, positive to the left")
     profile: SteeringProfile | None = None
     follow: Literal["straight", "circle"] | None = Field(
-        None,
+        default=None,
         description="straight: the road's x axis at lateral_position; circle: from the car's place and course when the "
         "step begins",
     )
@@ -178,7 +182,7 @@ class Steer(FileModel):
     lateral_position: float = parameter("m", 0.0, low=-1e3, high=1e3, description="y of the straight to follow")
     preview: float = parameter("s", 1.0, low=0.1, high=5.0, description="how far ahead the driver aims", source=_HUMAN)
     reaction_delay: float = parameter("s", 0.2, low=0.0, high=1.0, description="from seeing to steering", source=_HUMAN)
-    countersteer: bool = Field(True, description="steer against a yaw rate that the path does not need")
+    countersteer: bool = Field(default=True, description="steer against a yaw rate that the path does not need")
     countersteer_gain: float = parameter(
         "s", 2.0, low=0.0, high=20.0, description="steering-wheel angle over excess yaw rate", source=_HUMAN
     )
@@ -206,11 +210,11 @@ class Step(FileModel):
     name: str = Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", description="letters, digits and _, begins with a letter")
     accelerate: Accelerate | None = None
     hold_speed: HoldSpeed | None = None
-    release: Literal[True] | None = Field(None, description="both pedals released, gear engaged")
-    coast: Literal[True] | None = Field(None, description="both pedals released, clutch open")
+    release: Literal[True] | None = Field(default=None, description="both pedals released, gear engaged")
+    coast: Literal[True] | None = Field(default=None, description="both pedals released, clutch open")
     brake: Brake | None = None
     steer: Steer | None = None
-    until: Condition | None = Field(None, description="ends the step; only the last step may be without")
+    until: Condition | None = Field(default=None, description="ends the step; only the last step may be without")
 
     @model_validator(mode="after")
     def _feet(self) -> "Step":

@@ -1,0 +1,279 @@
+"""Runs a manoeuvre: tells the driver what to do in each step and goes on to the next when its condition holds."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from signals.catalogue import block_slice
+from signals.conditions import Holds
+from signals.errors import InputError, unknown_name
+from signals.vector import SignalVector
+from vehicle_model import driver_record as record
+from vehicle_model.driver import driver_step, gear_for_speed
+from vehicle_model.interface import TIME_STEP_S
+from vehicle_model.manoeuvre_file import (
+    Accelerate,
+    Brake,
+    HoldSpeed,
+    ManoeuvreFile,
+    MasterPressureBrake,
+    Steer,
+    SteeringProfile,
+    Step,
+)
+from vehicle_model.tyres.tyre_file import CurveTyre, MagicFormulaCurve
+from vehicle_model.vehicle_file import STANDARD_GRAVITY, VehicleFile
+
+BOOSTER_GAIN = "brakes.booster_gain"
+_FEET = {
+    "release": record.RELEASE,
+    "accelerate": record.ACCELERATE,
+    "hold_speed": record.HOLD_SPEED,
+    "coast": record.COAST,
+    "brake": record.BRAKE,
+}
+_AUTO = -1
+_USUAL = Accelerate()
+_SHIFT_SHARE = 0.92  # of the engine's largest speed
+_USUAL_CORNERING_SLOPE = 18.0  # 1/rad, a passenger car tyre
+
+
+class Manoeuvre:
+    """The driver and the manoeuvre that he drives.
+
+    Parameters
+    ----------
+    file : ManoeuvreFile
+    vector : SignalVector
+        Signals of the run; block "driver" and ``manoeuvre_phase`` are written, the plant's and the engine's read.
+    vehicle : VehicleFile
+        The car that the driver knows.
+
+    Raises
+    ------
+    InputError
+        If the car has more gears than the driver can count, or a step wants a gear that it lacks.
+    FieldErrors
+        If a condition names a signal or a phase that the run does not have.
+    """
+
+    def __init__(self, file: ManoeuvreFile, vector: SignalVector, vehicle: VehicleFile) -> None:
+        self.phase_names: tuple[str, ...] = file.phase_names
+        self.finished = False
+        self._steps = file.steps
+        self._vector = vector
+        self._values = vector.values
+        self._vehicle = vehicle
+        self._command: NDArray[np.void] = np.zeros(1, record.COMMAND_RECORD)
+        self._state: NDArray[np.void] = np.zeros(1, record.STATE_RECORD)
+        self._table = np.zeros((2, 1))
+        self._fill_places()
+        self._fill_car()
+        self._check_gears()
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to the first step, which begins with the next tick."""
+        self.finished = False
+        self._state[:] = np.zeros(1, record.STATE_RECORD)
+        # compiled anew: a condition with `lasting` remembers
+        self._until: list[Holds | None] = [
+            None if step.until is None else step.until.compile(self._vector, self.phase_names) for step in self._steps
+        ]
+        self._number = -1
+        self._ends: Holds | None = None
+        self._began_s = 0.0
+
+    def tick(self, time_s: float) -> None:
+        """Advance by 1 ms: go on to the next step if it is time, then let the driver act.
+
+        Parameters
+        ----------
+        time_s
+            Time of the run at the start of the tick, as in the vector.
+        """
+        if self._number < 0:
+            self._begin_step(0, time_s)
+        elif self._ends is not None and self._ends(self._began_s):
+            if self._number + 1 < len(self._steps):
+                self._begin_step(self._number + 1, time_s)
+            else:
+                self.finished = True
+                self._ends = None
+        driver_step(self._command, self._state, self._values, self._table, time_s)
+
+    @property
+    def phase(self) -> str:
+        """Name of the step that is active."""
+        return self.phase_names[max(self._number, 0)]
+
+    def names(self) -> Iterator[str]:
+        """Dotted paths of the parameters that the driver owns."""
+        return iter((BOOSTER_GAIN,))
+
+    def get(self, path: str) -> float:
+        """Value of a parameter of ``names()``; InputError if there is none of that path."""
+        if path != BOOSTER_GAIN:
+            raise unknown_name("parameter of the driver", path, (BOOSTER_GAIN,))
+        return float(self._command[0]["booster_gain"])
+
+    def set(self, path: str, value: float) -> None:
+        """Change a parameter of ``names()``; InputError if there is none of that path or the value is refused."""
+        self.get(path)
+        if not 0.0 <= value <= 1e6:
+            raise InputError(f"{path} is out of range", found=f"{value:g}", allowed="0 to 1e+06 Pa/N")
+        self._command[0]["booster_gain"] = value
+
+    def _fill_places(self) -> None:
+        row = self._command[0]
+        for name in record.INPUT_SIGNALS:
+            row[name] = self._vector.index(name)
+        row["phase"] = self._vector.index("manoeuvre_phase")
+        row["outputs"] = block_slice("driver").start
+
+    def _fill_car(self) -> None:
+        vehicle, row = self._vehicle, self._command[0]
+        line = vehicle.driveline
+        if len(line.gear_ratios) > record.MOST_GEARS:
+            raise InputError("driveline.gear_ratios: too many", allowed=f"at most {record.MOST_GEARS}")
+        row["wheelbase"] = vehicle.body.wheelbase
+        row["understeer"] = _understeer(vehicle)
+        row["steering_ratio"] = vehicle.steering.ratio
+        row["radius"] = (vehicle.wheels.fl if line.drive == "front" else vehicle.wheels.rl).radius
+        row["idle_speed"] = line.engine.idle_speed
+        row["gears"] = len(line.gear_ratios)
+        row["ratio"][1 : len(line.gear_ratios) + 1] = np.multiply(line.gear_ratios, line.final_drive)
+        row["booster_gain"] = vehicle.brakes.booster_gain
+
+    def _check_gears(self) -> None:
+        last = len(self._vehicle.driveline.gear_ratios)
+        for step in self._steps:
+            action = step.accelerate or step.hold_speed
+            wanted = [] if action is None or action.gears == "auto" else [action.gears]
+            if isinstance(action, Accelerate) and action.highest_gear is not None:
+                wanted.append(action.highest_gear)
+            if wanted and max(wanted) > last:
+                raise InputError(
+                    f"manoeuvre step {step.name!r}: no such gear", found=str(max(wanted)), allowed=f"up to {last}"
+                )
+
+    def _begin_step(self, number: int, time_s: float) -> None:
+        step: Step = self._steps[number]
+        row = self._command[0]
+        self._number, self._began_s, self._ends = number, time_s, self._until[number]
+        row["phase_number"] = number
+        action = step.pedal_action
+        if action is not None:
+            row["feet"] = _FEET[action]
+            row["feet_serial"] += 1
+            row["accelerator_rate"] = _USUAL.accelerator_rate
+            row["shift_duration"], row["clutch_duration"] = _USUAL.shift_duration, _USUAL.clutch_duration
+        if step.accelerate is not None:
+            self._fill_accelerate(step.accelerate)
+        if step.hold_speed is not None:
+            self._fill_hold_speed(step.hold_speed)
+        if step.brake is not None:
+            self._fill_brake(step.brake)
+        if step.steer is not None:
+            row["hands_serial"] += 1
+            self._fill_steer(step.steer)
+        elif number == 0:
+            row["hands_serial"] += 1
+            self._fill_steer(Steer(angle=0.0))
+
+    def _fill_accelerate(self, action: Accelerate) -> None:
+        row, line = self._command[0], self._vehicle.driveline
+        row["accelerator"], row["accelerator_rate"] = action.accelerator, action.accelerator_rate
+        row["gear"] = _AUTO if action.gears == "auto" else action.gears
+        row["highest_gear"] = action.highest_gear or len(line.gear_ratios)
+        wanted = action.shift_up_engine_speed
+        row["shift_engine_speed"] = _SHIFT_SHARE * line.engine.maximum_speed if wanted is None else wanted
+        row["shift_speed"][:] = 0.0
+        speeds = action.shift_up_speeds[: record.MOST_GEARS]
+        row["shift_speed"][1 : len(speeds) + 1] = speeds
+        row["shift_duration"], row["clutch_duration"] = action.shift_duration, action.clutch_duration
+
+    def _fill_hold_speed(self, action: HoldSpeed) -> None:
+        row = self._command[0]
+        row["gear"] = _AUTO if action.gears == "auto" else action.gears
+        row["speed_target"] = action.speed
+        row["proportional_gain"], row["integral_gain"] = action.proportional_gain, action.integral_gain
+        row["feedforward"] = self._holding_accelerator(action)
+
+    def _holding_accelerator(self, action: HoldSpeed) -> float:
+        """Accelerator that holds the speed on a level road."""
+        row, vehicle = self._command[0], self._vehicle
+        gear = gear_for_speed(self._command[0], action.speed) if action.gears == "auto" else action.gears
+        if gear == 0:
+            return 0.0
+        air, engine = vehicle.aerodynamics, vehicle.driveline.engine
+        wheels = (vehicle.wheels.fl, vehicle.wheels.fr, vehicle.wheels.rl, vehicle.wheels.rr)
+        rolling = sum(wheel.rolling_resistance for wheel in wheels) / 4.0 * vehicle.body.mass * STANDARD_GRAVITY
+        drag = 0.5 * air.air_density * air.drag_coefficient * air.frontal_area * action.speed**2
+        ratio, radius = float(row["ratio"][gear]), float(row["radius"])
+        torque = (rolling + drag) * radius / (ratio * vehicle.driveline.efficiency)
+        full = float(np.interp(ratio * action.speed / radius, engine.speed_points, engine.torque_points))
+        return min(max((torque + engine.drag_torque) / (full + engine.drag_torque), 0.0), 1.0)
+
+    def _fill_brake(self, action: Brake) -> None:
+        row = self._command[0]
+        by_pressure = isinstance(action, MasterPressureBrake)
+        row["brake_by_pressure"] = by_pressure
+        row["brake_target"] = action.master_pressure if isinstance(action, MasterPressureBrake) else action.pedal_force
+        row["brake_ramp"] = action.ramp
+        row["brake_human"] = action.shape == "human"
+        row["brake_declutch"] = action.clutch == "open"
+
+    def _fill_steer(self, steer: Steer) -> None:
+        row = self._command[0]
+        row["rate"], row["maximum_angle"] = steer.maximum_rate, steer.maximum_angle
+        row["preview"], row["path_y"] = steer.preview, steer.lateral_position
+        row["countersteer_gain"] = steer.countersteer_gain if steer.countersteer else 0.0
+        delay = round(steer.reaction_delay / TIME_STEP_S)
+        row["reaction_ticks"] = min(delay, record.LONGEST_REACTION_TICKS - 1)
+        if steer.follow is not None:
+            row["hands"] = record.STRAIGHT if steer.follow == "straight" else record.CIRCLE
+            row["path_radius"] = steer.radius or 0.0
+        elif steer.profile is not None:
+            self._fill_profile(steer.profile)
+        else:
+            row["hands"], row["angle"] = record.ANGLE, steer.angle or 0.0
+
+    def _fill_profile(self, profile: SteeringProfile) -> None:
+        row = self._command[0]
+        change = profile.step or profile.ramp
+        if change is not None:
+            row["hands"], row["angle"], row["rate"] = record.ANGLE, change.angle, change.rate
+        elif profile.table is not None:
+            row["hands"] = record.TABLE
+            self._table = np.array([profile.table.time, profile.table.angle])
+        elif profile.sine is not None:
+            row["hands"] = record.SINE
+            row["amplitude"], row["frequency"] = profile.sine.amplitude, profile.sine.frequency
+            row["periods"] = profile.sine.periods
+        elif profile.sine_with_dwell is not None:
+            row["hands"] = record.SINE_WITH_DWELL
+            row["amplitude"] = profile.sine_with_dwell.amplitude
+            row["frequency"], row["periods"] = profile.sine_with_dwell.frequency, 1.0
+            row["dwell"] = profile.sine_with_dwell.dwell
+
+
+def _understeer(vehicle: VehicleFile) -> float:
+    """Road-wheel angle that the car needs beyond the geometric one, per lateral acceleration [rad s^2/m].
+
+    From the slip angles of both axles in their linear range: (F_zf/C_f - F_zr/C_r)/g, friction document 2.7.
+    """
+    pair = vehicle.tyre_pair
+    return (1.0 / _cornering_slope(pair.front) - 1.0 / _cornering_slope(pair.rear)) / STANDARD_GRAVITY
+
+
+def _cornering_slope(tyre: Any) -> float:
+    """Cornering stiffness over load [1/rad] of a tyre; of a usual one where no curve tells it."""
+    if isinstance(tyre, CurveTyre):
+        curve = tyre.lateral if isinstance(tyre.longitudinal, MagicFormulaCurve) else tyre.longitudinal
+        if isinstance(curve, MagicFormulaCurve):
+            return curve.stiffness * curve.shape * curve.peak_friction
+        return curve.c1 * curve.c2 - curve.c3
+    return _USUAL_CORNERING_SLOPE
