@@ -47,9 +47,12 @@ class InProcessEcu:
         self._sent_count = 0
         self._answers = np.zeros(64, FRAME_DTYPE)
         self._answer_count = 0
+        self._silent = False
 
     def receive(self, tick: int, frames: NDArray[np.void]) -> int:
         """Frames of the controller's previous tick; runs its tick on what the bench sent one tick ago."""
+        if self._silent:
+            return 0
         count = self._answer_count
         if count:
             frames[:count] = self._answers[:count]
@@ -61,6 +64,10 @@ class InProcessEcu:
         """Keep the frames for the controller's next tick."""
         self._sent_by_bench[:count] = frames[:count]
         self._sent_count = count
+
+    def silence(self) -> None:
+        """The controller is lost: it runs no more."""
+        self._silent = True
 
     def close(self) -> None:
         """Nothing to close."""

@@ -144,7 +144,10 @@ class Stimuli:
             if self._over(active):
                 self._end_parameter(active)
             else:
-                self._parameters[active.stimulus.target][1](active.waveform(time_s - active.began_s))
+                value = active.waveform(time_s - active.began_s)
+                self._parameters[active.stimulus.target][1](
+                    active.before + value if active.stimulus.relative else value
+                )
         for overrides in self._overrides.values():
             for entry in overrides[:]:
                 if self._over(entry[0]):

@@ -129,8 +129,7 @@ class Tick:
         values[self._time] = time_s
 
         received = self._ecu_side.receive(tick, self._received)
-        if received:
-            self._from_ecu.accept(self._received, received, tick)
+        self._from_ecu.accept(self._received, received, tick)
 
         self._manoeuvre.tick(time_s)
         stimuli.tick(time_s)

@@ -1,0 +1,144 @@
+"""The bus side of a run: which ECU, on which link, started by whom."""
+
+import os
+import signal
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from bench.loop.children import Child, on_helper_cores, start_module
+from bench.loop.ecu_sides import BarrierEcu, InProcessEcu, LinkedEcu, NoEcu
+from bench.loop.scheduling import CorePlan
+from bench.loop.tick import EcuSide
+from bench.scenario.schema import ScenarioFile
+from signals.errors import InputError, RunError
+
+BARRIER_NAME = "barrier"
+
+
+def check_combination(scenario: ScenarioFile) -> None:
+    """Refuse what cannot work, before anything is started.
+
+    Raises
+    ------
+    InputError
+        Naming the combination and what to change.
+    """
+    kind, link, lockstep = scenario.ecu.kind, scenario.ecu.link, scenario.pacing == "lockstep"
+    if kind == "external" and lockstep:
+        raise InputError(
+            "lock-step with an external ECU: it has its own clock and cannot follow virtual time",
+            mend="use --realtime, or --ecu emulated",
+        )
+    if link == "virtual" and kind in ("emulated", "external"):
+        raise InputError(
+            f"link virtual with --ecu {kind}: a virtual link does not leave this process",
+            mend="use --ecu inprocess or none, or a link such as --link udp",
+        )
+    if link not in (None, "virtual") and kind == "inprocess":
+        raise InputError(
+            f"link {link} with --ecu inprocess: a controller in this process needs no link",
+            mend="leave --link out, or use --ecu emulated",
+        )
+
+
+@dataclass
+class Connection:
+    """An open bus side and the processes behind it.
+
+    Attributes
+    ----------
+    link_text : str
+        Text of the link for people, "virtual" without one.
+    """
+
+    side: EcuSide
+    link_text: str
+    statistics: Callable[[], dict[str, Any]]
+    ecu: Child | None = None
+    expect: str = "alive"
+    barrier_folder: "tempfile.TemporaryDirectory[str] | None" = None
+
+    def watch(self, tick: int) -> None:
+        """Raise RunError if the emulated ECU has ended although the scenario wants it alive."""
+        if self.ecu is not None and self.expect == "alive" and self.ecu.exit_code is not None:
+            raise RunError(
+                f"the emulated ECU ended during the run (exit code {self.ecu.exit_code})", mend="see log.txt"
+            )
+
+    def kill_ecu(self) -> None:
+        """End the emulated ECU at once, as a loss of its supply would."""
+        if self.ecu is not None and self.ecu.exit_code is None:
+            os.kill(self.ecu.process.pid, signal.SIGKILL)
+            self.ecu.process.wait()
+        silence = getattr(self.side, "silence", None)
+        if silence is not None:
+            silence()
+
+    def close(self) -> int | None:
+        """Close the link, end and reap the ECU; its exit code, None without one."""
+        with suppress(Exception):
+            self.side.close()  # type: ignore[attr-defined]
+        code = self.ecu.stop() if self.ecu is not None else None
+        if self.barrier_folder is not None:
+            self.barrier_folder.cleanup()
+        return code
+
+
+def connect(scenario: ScenarioFile, codec: Any, cores: CorePlan, log: IO[bytes] | None = None) -> Connection:
+    """Open the bus side that a scenario asks for.
+
+    Raises
+    ------
+    LinkError
+        If the link does not exist or is not permitted.
+    InputError
+        If the ECU's calibration has faults.
+    """
+    ecu = scenario.ecu
+    if ecu.kind == "inprocess":
+        from bench.ecu.node import EcuNode
+
+        node = EcuNode(ecu.calibration, codec)
+        return Connection(InProcessEcu(node), "virtual", lambda: {"kind": "virtual"}, expect=ecu.expect)
+    if ecu.kind == "none" and ecu.link in (None, "virtual"):
+        return Connection(NoEcu(), "virtual", lambda: {"kind": "virtual"}, expect="silent")
+    return _connect_link(scenario, cores, log)
+
+
+def _connect_link(scenario: ScenarioFile, cores: CorePlan, log: IO[bytes] | None) -> Connection:
+    from bench.links.registry import default_link_text, open_link
+
+    ecu = scenario.ecu
+    link = open_link(ecu.link or default_link_text(), role="bench")
+    lockstep = scenario.pacing == "lockstep"
+    if lockstep and not link.supports_lockstep:
+        link.close()
+        raise InputError(f"lock-step on {link.kind}: this kind of link keeps its own time", mend="use --realtime")
+    if ecu.kind != "emulated":
+        silent = ecu.kind == "none" or ecu.expect != "alive"
+        side = LinkedEcu(link, float("inf") if silent else ecu.first_answer)
+        return Connection(side, link.text, link.statistics, expect=ecu.expect if ecu.kind == "external" else "silent")
+    folder = tempfile.TemporaryDirectory(prefix="bench-") if lockstep else None
+    arguments = ["--link", link.text, "--calibration", ecu.calibration]
+    for option, value in (("--dbc", ecu.dbc), ("--mapping", ecu.mapping)):
+        arguments += [option, value] if value else []
+    if ecu.expect == "silent" and ecu.kill is None:
+        arguments.append("--silent")
+    server = None
+    if folder is not None:
+        from bench.links.barrier import BarrierServer
+
+        path = Path(folder.name) / BARRIER_NAME
+        server = BarrierServer(str(path))
+        arguments += ["--barrier", str(path)]
+    with on_helper_cores(cores):
+        child = start_module("ecu", "bench.ecu.process", arguments, log=log)
+    if server is not None:
+        return Connection(BarrierEcu(link, server), link.text, link.statistics, child, ecu.expect, folder)
+    silent = ecu.expect == "silent"
+    side = LinkedEcu(link, float("inf") if silent else ecu.first_answer)
+    return Connection(side, link.text, link.statistics, child, ecu.expect)

@@ -1,0 +1,221 @@
+"""A run put together from its scenario: the parts, the tick that calls them, and the loop over the ticks."""
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.codec.codec import Codec, Receiver, Transmitter
+from bench.loop.connection import Connection
+from bench.loop.estimation import EstimatorSlot, NamedEstimator, create_estimators
+from bench.loop.pacing import TickTimes
+from bench.loop.parameters import accessors
+from bench.loop.scenario_stimuli import build_stimuli
+from bench.loop.stimuli import Stimuli
+from bench.loop.tick import Recorder, Tick
+from bench.scenario.estimator_names import kind_of
+from bench.scenario.schema import ScenarioFile
+from bench.scenario.vehicle_choice import nominal_vehicle, vehicle_as_driven
+from hydraulics import HydraulicUnit
+from signals.catalogue import block_slice
+from signals.vector import SignalVector
+from vehicle_model.interface import Plant
+from vehicle_model.manoeuvre import Manoeuvre
+from vehicle_model.powertrain import Powertrain
+from vehicle_model.road_file import RoadFile, load_road, road_parameter_table
+from vehicle_model.sensors import Sensors
+from vehicle_model.vehicle_file import VehicleFile, parameter_table
+
+TICKS_PER_SECOND = 1000
+WATCH_TICKS = 100
+
+
+class Pacer(Protocol):
+    """When ticks start; see :mod:`bench.loop.pacing`."""
+
+    mode: str
+    times: TickTimes
+
+    def start(self) -> None:
+        """Anchor the time base."""
+
+    def wait(self, tick: int) -> None:
+        """Return when ``tick`` may start."""
+
+    def done(self, tick: int) -> None:
+        """``tick`` has ended."""
+
+
+@dataclass
+class Parts:
+    """Everything that a scenario describes, built but not yet connected to a bus or a recording."""
+
+    scenario: ScenarioFile
+    vehicle: VehicleFile
+    vector: SignalVector
+    sensed: NDArray[np.float64]
+    plant: Plant
+    manoeuvre: Manoeuvre
+    powertrain: Powertrain
+    hydraulic_unit: HydraulicUnit
+    sensors: Sensors
+    stimuli: Stimuli
+    codec: Codec
+    transmitter: Transmitter
+    tap: Receiver
+    from_ecu: Receiver
+    estimators: list[NamedEstimator] = field(default_factory=list)
+
+    @property
+    def ticks(self) -> int:
+        """Largest number of ticks that the scenario allows."""
+        return round(self.scenario.time_limit * TICKS_PER_SECOND)
+
+
+def build_parts(scenario: ScenarioFile) -> Parts:
+    """Build the parts of a resolved scenario.
+
+    Raises
+    ------
+    InputError
+        If the scenario contradicts itself in a way that only building shows.
+    """
+    vehicle = vehicle_as_driven(scenario)
+    road = road_of(scenario)
+    requests = {name: (kind_of(name), settings) for name, settings in scenario.estimators.items()}
+    estimators = create_estimators(requests, nominal_vehicle(scenario).numbers())
+    vector = SignalVector([signal for named in estimators for signal in named.signals()])
+    bus = block_slice("bus")
+    sensed = np.zeros(bus.stop - bus.start)
+    codec = Codec.load(scenario.ecu.dbc, scenario.ecu.mapping)
+    plant = build_plant(scenario, vehicle, road)
+    plant.bind(vector.block("plant"))
+    plant.reset(speed_m_s=scenario.initial_speed)
+    manoeuvre = Manoeuvre(scenario.manoeuvre, vector, vehicle, initial_gear=scenario.initial_gear)
+    hydraulic_unit = HydraulicUnit(
+        vehicle.numbers("hydraulics") | vehicle.numbers("brakes"),
+        scenario.hydraulic_unit.selection_logic,
+        scenario.hydraulic_unit.brake,
+    )
+    sensors = Sensors(vehicle, scenario.seed)
+    table = [*parameter_table(vehicle), *road_parameter_table(road)]
+    stimuli = build_stimuli(
+        scenario.stimuli,
+        vector,
+        sensed,
+        accessors([plant, hydraulic_unit, sensors]),
+        {info.path: info.unit for info in table},
+        manoeuvre.phase_names,
+        scenario.seed,
+    )
+    return Parts(
+        scenario=scenario,
+        vehicle=vehicle,
+        vector=vector,
+        sensed=sensed,
+        plant=plant,
+        manoeuvre=manoeuvre,
+        powertrain=Powertrain(vehicle),
+        hydraulic_unit=hydraulic_unit,
+        sensors=sensors,
+        stimuli=stimuli,
+        codec=codec,
+        transmitter=codec.transmitter("bench", sensed),
+        tap=codec.receiver("ecu", vector.block("bus"), vector.block("bus_age")),
+        from_ecu=codec.receiver("bench", vector.block("bus"), vector.block("bus_age")),
+        estimators=estimators,
+    )
+
+
+def road_of(scenario: ScenarioFile) -> RoadFile:
+    """The road of a scenario, read if the scenario only names it."""
+    return load_road(scenario.road) if isinstance(scenario.road, str) else scenario.road
+
+
+def build_plant(scenario: ScenarioFile, vehicle: VehicleFile, road: RoadFile) -> Plant:
+    """The plant that the scenario names."""
+    if scenario.plant == "single_track":
+        from vehicle_model.reference.single_track import SingleTrackPlant
+
+        return SingleTrackPlant(vehicle, road, wheel_substeps=scenario.plant_options.wheel_substeps)
+    from vehicle_model.plant import Plant as MujocoPlant
+
+    return MujocoPlant(vehicle, road, wheel_substeps=scenario.plant_options.wheel_substeps)
+
+
+class Session:
+    """The loop over the ticks of a run.
+
+    Parameters
+    ----------
+    parts : Parts
+    connection : Connection
+        The bus side.
+    """
+
+    def __init__(self, parts: Parts, connection: Connection) -> None:
+        self.parts = parts
+        self._connection = connection
+        kill = parts.scenario.ecu.kill
+        self._kill_ecu = kill.compile(parts.vector, parts.manoeuvre.phase_names) if kill is not None else None
+        self.ticks_done = 0
+
+    def _tick(self, recorder: Recorder) -> Tick:
+        parts = self.parts
+        return Tick(
+            parts.vector,
+            parts.sensed,
+            ecu_side=self._connection.side,
+            from_ecu=parts.from_ecu,
+            manoeuvre=parts.manoeuvre,
+            stimuli=parts.stimuli,
+            powertrain=parts.powertrain,
+            hydraulic_unit=parts.hydraulic_unit,
+            plant=parts.plant,
+            sensors=parts.sensors,
+            transmitter=parts.transmitter,
+            tap=parts.tap,
+            estimators=[EstimatorSlot(named, parts.vector) for named in parts.estimators],
+            recorder=recorder,
+        )
+
+    def run(self, recorder: Recorder, pacer: Pacer, most_ticks: int | None = None) -> None:
+        """Tick until the manoeuvre has ended or the scenario's time is over.
+
+        Raises
+        ------
+        RunError
+            If the ECU that the scenario wants alive is lost, or the recording fails.
+        """
+        tick = self._tick(recorder)
+        limit = self.parts.ticks if most_ticks is None else min(most_ticks, self.parts.ticks)
+        values = self.parts.vector.values
+        lateness, cpu_time = self.parts.vector.index("lateness"), self.parts.vector.index("tick_cpu_time")
+        times = pacer.times
+        timed = times.lateness_ns.size > 0
+        pacer.start()
+        for n in range(limit):
+            pacer.wait(n)
+            if timed:
+                values[lateness] = times.lateness_ns[n] * 1e-9
+                values[cpu_time] = times.cpu_ns[n - 1] * 1e-9 if n else 0.0
+            tick.run(n)
+            pacer.done(n)
+            self.ticks_done = n + 1
+            if tick.finished:
+                return
+            if self._kill_ecu is not None and self._kill_ecu(0.0):
+                self._connection.kill_ecu()
+                self._kill_ecu = None
+            if n % WATCH_TICKS == 0:
+                self._connection.watch(n)
+
+
+def timing_extras(parts: Parts) -> dict[str, Any]:
+    """What the bus side adds to the verdict's timing block."""
+    return {
+        "frames_from_ecu": parts.from_ecu.statistics(),
+        "frames_unknown": parts.from_ecu.unknown_frames,
+        "frames_rejected": parts.from_ecu.rejected_frames,
+    }
