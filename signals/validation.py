@@ -311,9 +311,17 @@ def _join_typos(problems: list[_Problem], model: type[BaseModel], data: Any) -> 
         wanted = str(problem.path[-1])
         near = nearest_name(wanted, [str(name) for name in absent]) or nearest_name(wanted, names)
         missing.pop((*parent, near), None)
+        for name in _needless(near, absent, owners):
+            missing.pop((*parent, name), None)
         allowed = "" if near else _some(names)
         result.append(replace(problem, nearest=_with_range(near, owners), allowed=allowed))
     return result + list(missing.values())
+
+
+def _needless(near: str, absent: Sequence[str | int], owners: list[type[BaseModel]]) -> list[str | int]:
+    """Fields that are not missing if the misspelt one is required by another kind of the same object."""
+    meant = [fields_of(owner) for owner in owners if near in fields_of(owner) and fields_of(owner)[near].is_required()]
+    return [name for name in absent if meant and all(name not in fields for fields in meant)]
 
 
 def _with_range(name: str, owners: list[type[BaseModel]]) -> str:

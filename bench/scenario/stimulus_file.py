@@ -139,7 +139,7 @@ class StimulusEntry(FileModel):
         shape = getattr(self, self.shape)
         if isinstance(shape, Table):
             return [(("table", "values", number), value) for number, value in enumerate(shape.values)]
-        found = []
+        found: list[tuple[tuple[str | int, ...], Any]] = []
         for name, in_file in (
             ("start", "from"),
             ("to", "to"),

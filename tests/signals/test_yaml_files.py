@@ -167,6 +167,23 @@ def test_faults_name_place_found_and_allowed(text: str, expected: str) -> None:
     assert expected in faults(text)
 
 
+class Pressure(FileModel):
+    pressure: float = parameter("Pa", low=0, high=3e7)
+
+
+class Stop(FileModel):
+    brake: Brake | Pressure
+
+
+def test_a_misspelt_field_of_another_kind_hides_what_that_kind_does_not_need() -> None:
+    with pytest.raises(FileFaults) as caught:
+        validate(parse_yaml("brake: {presure: 100 bar}", "stop.yaml"), Stop)
+    assert caught.value.message.splitlines() == [
+        "stop.yaml:1:9  brake.presure: unknown field",
+        "  found '100 bar'; did you mean pressure (0…3e+07 Pa)?",
+    ]
+
+
 def test_all_faults_at_once_in_the_order_of_the_file() -> None:
     text = "gears: 0\nmas: 1 t\nsteps:\n- nam: a\n- name: b\n  brake: {pedal_force: 2 kN}"
     lines = [line for line in faults(text).splitlines() if line.startswith("car.yaml")]
