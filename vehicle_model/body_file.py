@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import model_validator
 
+from signals.errors import FieldError
 from signals.quantities import FileModel, parameter
 
 _ASSUMED = "assumed: usual for a passenger car"
@@ -36,9 +37,10 @@ class Body(FileModel):
     def _estimate_inertias(self) -> "Body":
         """Inertias that the file leaves out (eq. 116; its printed L L is read as wheelbase times length)."""
         if self.centre_of_gravity_to_front_axle >= self.wheelbase:
-            raise ValueError(
-                f"centre_of_gravity_to_front_axle: found {self.centre_of_gravity_to_front_axle} m, "
-                f"allowed: less than the wheelbase of {self.wheelbase} m"
+            raise FieldError(
+                "behind the rear axle",
+                at=("centre_of_gravity_to_front_axle",),
+                allowed=f"less than the wheelbase of {self.wheelbase} m",
             )
         second = self.length if self.yaw_inertia_rule == "wheelbase_times_length" else self.wheelbase
         estimates = {

@@ -1,15 +1,15 @@
 """Parameters of a file by dotted path: list them, read them, change them."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from signals.errors import InputError
-from signals.quantities import QuantityError, to_si, unit_of
+from signals.errors import InputError, unknown_name
+from signals.quantities import QuantityError, limits_of, range_text, to_si, unit_of
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def _info(leaf: _Leaf, value: float, sources: dict[str, str]) -> ParameterInfo:
     field = leaf.field
     extra: dict[str, Any] = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
     default = field.default if isinstance(field.default, (int, float)) else None
-    low, high = _bounds(field)
+    low, high = limits_of(field)
     declared = str(extra.get("source", ""))
     return ParameterInfo(
         path=leaf.path,
@@ -97,12 +97,6 @@ def _info(leaf: _Leaf, value: float, sources: dict[str, str]) -> ParameterInfo:
         description=field.description or "",
         source=_source_of(leaf.path, sources) or (declared if value == default or default is None else ""),
     )
-
-
-def _bounds(field: FieldInfo) -> tuple[float | None, float | None]:
-    low = next((item.ge for item in field.metadata if hasattr(item, "ge")), None)
-    high = next((item.le for item in field.metadata if hasattr(item, "le")), None)
-    return low, high
 
 
 def _source_of(path: str, sources: dict[str, str]) -> str:
@@ -128,9 +122,7 @@ def find(model: BaseModel, path: str, prefix: str = "") -> _Leaf:
         if leaf.path == path:
             return leaf
         paths.append(leaf.path)
-    near = get_close_matches(path, paths, n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    raise InputError(f"no parameter {path!r}{hint}")
+    raise unknown_name("parameter", path, paths)
 
 
 def get_parameter(model: BaseModel, path: str, prefix: str = "") -> float:
@@ -155,13 +147,14 @@ def set_parameter(model: BaseModel, path: str, value: float | str, prefix: str =
         If there is no such parameter, or the value has another dimension or is out of its range.
     """
     leaf = find(model, path, prefix)
+    unit = unit_of(leaf.field) or "1"
     try:
-        number = to_si(value, unit_of(leaf.field) or "1")
+        number = to_si(value, unit)
     except QuantityError as error:
         raise InputError(f"{path}: {error}") from None
-    low, high = _bounds(leaf.field)
-    if (low is not None and number < low) or (high is not None and number > high) or number != number:
-        raise InputError(f"{path}: found {number:g}, allowed: {_range(low, high)} {unit_of(leaf.field) or ''}".rstrip())
+    low, high = limits_of(leaf.field)
+    if (low is not None and number < low) or (high is not None and number > high) or not math.isfinite(number):
+        raise InputError(f"{path}: out of range", found=f"{number:g}", allowed=range_text(unit, low, high))
     if leaf.position is not None:
         getattr(leaf.model, leaf.name)[leaf.position] = number
         return
@@ -169,13 +162,3 @@ def set_parameter(model: BaseModel, path: str, value: float | str, prefix: str =
         leaf.model.__pydantic_validator__.validate_assignment(leaf.model, leaf.name, number)
     except ValidationError as error:
         raise InputError(f"{path}: {error.errors()[0]['msg']}") from None
-
-
-def _range(low: float | None, high: float | None) -> str:
-    if low is None and high is None:
-        return "a finite number"
-    if low is None:
-        return f"at most {high:g}"
-    if high is None:
-        return f"at least {low:g}"
-    return f"{low:g} to {high:g}"

@@ -6,10 +6,10 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from signals.errors import unknown_name
+from signals.errors import FieldError, unknown_name
 from signals.quantities import FileModel, parameter
+from signals.yaml_files import load_yaml, validate
 from vehicle_model import parameters
-from vehicle_model.file_reading import read_mapping, validated
 from vehicle_model.parameters import ParameterInfo
 from vehicle_model.tyres.tyre_file import BurckhardtCurve, MagicFormulaCurve
 
@@ -30,7 +30,7 @@ class Surface(FileModel):
     @model_validator(mode="after")
     def _one_of(self) -> "Surface":
         if (self.factor is None) == (self.curve is None):
-            raise ValueError("found both or none of factor and curve, allowed: one of them")
+            raise FieldError("needs one of factor and curve", allowed="factor, or curve in its place")
         return self
 
 
@@ -63,11 +63,11 @@ class Jump(FileModel):
     @model_validator(mode="after")
     def _one_of(self) -> "Jump":
         if (self.position is None) == (self.time is None):
-            raise ValueError("found both or none of position and time, allowed: one of them")
+            raise FieldError("needs one of position and time", allowed="position or time")
         if self.position is None and self.transition_length > 0.0:
-            raise ValueError("transition_length: found with time, allowed: transition_time with time")
+            raise FieldError("goes with position", at=("transition_length",), allowed="transition_time with time")
         if self.time is None and self.transition_time > 0.0:
-            raise ValueError("transition_time: found with position, allowed: transition_length with position")
+            raise FieldError("goes with time", at=("transition_time",), allowed="transition_length with position")
         return self
 
 
@@ -84,7 +84,7 @@ class Patch(FileModel):
     @model_validator(mode="after")
     def _ordered(self) -> "Patch":
         if self.x_to <= self.x_from or self.y_to <= self.y_from:
-            raise ValueError("found an empty rectangle, allowed: x_from < x_to and y_from < y_to")
+            raise FieldError("an empty rectangle", allowed="x_from < x_to and y_from < y_to")
         return self
 
 
@@ -127,7 +127,7 @@ class RoadFile(FileModel):
     def _ordered(self) -> "RoadFile":
         places = [point.position for point in self.profile]
         if any(later <= earlier for earlier, later in pairwise(places)):
-            raise ValueError("profile: found places that do not rise, allowed: strictly rising positions")
+            raise FieldError("places that do not rise", at=("profile",), allowed="strictly rising positions")
         return self
 
     def surface_names(self) -> list[str]:
@@ -178,7 +178,7 @@ def load_road(name_or_path: str | Path) -> RoadFile:
         path = ROADS / f"{name_or_path}.yaml"
         if not path.exists():
             raise unknown_name("road", str(name_or_path), road_names(), mend="or give the path of a .yaml file")
-    road = validated(path, read_mapping(path), RoadFile)
+    road = validate(load_yaml(path), RoadFile)
     road.used_surfaces()
     return road
 
@@ -186,4 +186,4 @@ def load_road(name_or_path: str | Path) -> RoadFile:
 def load_surfaces() -> dict[str, Surface]:
     """The surfaces that ship with the bench, by name."""
     path = ROADS / "surfaces.yaml"
-    return validated(path, read_mapping(path), SurfaceFile).surfaces
+    return validate(load_yaml(path), SurfaceFile).surfaces

@@ -7,22 +7,23 @@ set_parameter(vehicle, "body.mass", "1.4 t")
 """
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import Field, model_validator
 
-from signals.errors import InputError, unknown_name
+from signals.errors import FieldError, FileFaults, InputError, unknown_name
 from signals.quantities import FileModel, parameter
 from signals.wheels import WHEELS
+from signals.yaml_files import Document, load_yaml, overlay, validate, walk
 from vehicle_model import parameters
 from vehicle_model.actuation_file import Brakes, Driveline, Hydraulics
 from vehicle_model.body_file import Aerodynamics, Axles, Body, Steering, Suspension, Wheels
-from vehicle_model.file_reading import merged, read_mapping, validated
 from vehicle_model.parameters import ParameterInfo
 from vehicle_model.sensors_file import Sensors
 from vehicle_model.tyres.tyre_file import TyreFile, TyrePair
 
 VEHICLES = Path(__file__).parent / "vehicles"
+TYRES = Path(__file__).parent / "tyre_files"
 STANDARD_GRAVITY = 9.81
 _SECTIONS = (
     "body",
@@ -84,9 +85,10 @@ class VehicleFile(FileModel):
             entry = getattr(self.wheels, wheel)
             deflection = entry.unloaded_radius - entry.radius
             if deflection <= 0.0:
-                raise ValueError(
-                    f"wheels.{wheel}.unloaded_radius: found {entry.unloaded_radius} m, allowed: more than the loaded "
-                    f"radius of {entry.radius} m"
+                raise FieldError(
+                    "not larger than the loaded radius",
+                    at=("wheels", wheel, "unloaded_radius"),
+                    allowed=f"more than {entry.radius} m",
                 )
             if entry.vertical_stiffness is None:
                 object.__setattr__(entry, "vertical_stiffness", load / deflection)
@@ -149,50 +151,78 @@ def load_vehicle(name_or_path: str | Path) -> VehicleFile:
     InputError
         If there is no such car or file, or the file has faults.
     """
-    path = _resolve(name_or_path)
-    data = _read_with_base(path, ())
-    if isinstance(data.get("tyres"), str):
-        tyre_path = Path(data["tyres"])
-        data["sources"] = _tyre_sources(tyre_path) | data.get("sources", {})
-        data["tyres"] = _tyres(tyre_path)
-    vehicle = validated(path, data, VehicleFile)
+    document = _read_with_base(_resolve(name_or_path), ())
+    if isinstance(document.data.get("tyres"), str):
+        tyres = _read_tyres(Path(document.data["tyres"]), document)
+        document.data["sources"] = _tyre_sources(tyres) | document.data.get("sources", {})
+        document.data["tyres"] = {"front": tyres.front, "rear": tyres.rear}
+    vehicle = validate(document, VehicleFile)
     for extension in vehicle.extensions:
         for target, value in extension.parameters.items():
             set_parameter(vehicle, target, value)
     return vehicle
 
 
-def _resolve(name_or_path: str | Path) -> Path:
+def load_tyres(name_or_path: str | Path) -> TyrePair:
+    """Read a tyre file, given by the name of a shipped one (``reduced_set_t``) or by its path."""
+    path = _by_name(name_or_path, TYRES, "tyre file")
+    tyres = validate(load_yaml(path), TyreFile)
+    return TyrePair(front=tyres.front, rear=tyres.rear)
+
+
+def _by_name(name_or_path: str | Path, folder: Path, kind: str) -> Path:
     path = Path(name_or_path)
     if path.suffix in (".yaml", ".yml"):
         return path
-    shipped = VEHICLES / f"{name_or_path}.yaml"
+    shipped = folder / f"{name_or_path}.yaml"
     if not shipped.exists():
-        raise unknown_name("vehicle", str(name_or_path), vehicle_names(), mend="or give the path of a .yaml file")
+        names = tuple(sorted(file.stem for file in folder.glob("*.yaml")))
+        raise unknown_name(kind, str(name_or_path), names, mend="or give the path of a .yaml file")
     return shipped
 
 
-def _read_with_base(path: Path, seen: tuple[Path, ...]) -> dict[str, Any]:
+def _resolve(name_or_path: str | Path) -> Path:
+    return _by_name(name_or_path, VEHICLES, "vehicle")
+
+
+def _read_with_base(path: Path, seen: tuple[Path, ...]) -> Document:
     """Content of a file laid over that of the file that it extends; relative paths in it are resolved."""
-    path = path.resolve()
-    if path in seen:
-        raise InputError(f"{path}: extends itself", found=" → ".join(file.name for file in (*seen, path)))
-    data = read_mapping(path)
+    if path.resolve() in seen:
+        names = " → ".join(file.name for file in (*seen, path))
+        raise InputError(f"{path}: extends itself", found=names, mend="take out one of the lines 'extends:'")
+    document = load_yaml(path)
+    data = document.data
+    if not isinstance(data, dict):
+        return document
     if isinstance(data.get("tyres"), str):
         data["tyres"] = str(path.parent / data["tyres"])
     base_name = data.get("extends")
     if not isinstance(base_name, str):
-        return data
+        return document
     beside = path.parent / base_name
     base = beside if beside.suffix in (".yaml", ".yml") else _resolve(base_name)
-    return merged(_read_with_base(base, (*seen, path)), data)
+    return _laid_over(_read_with_base(base, (*seen, path.resolve())), document)
 
 
-def _tyres(path: Path) -> dict[str, Any]:
-    tyre = validated(path, read_mapping(path), TyreFile)
-    return {"front": tyre.front, "rear": tyre.rear}
+def _laid_over(base: Document, change: Document) -> Document:
+    """``change`` on ``base``; a source that the base gives for a value that changed is dropped."""
+    result = overlay(base, change)
+    if isinstance(base.data, dict):
+        changed = {".".join(map(str, path)) for path, _ in walk(change.data)}
+        kept = {
+            path: text
+            for path, text in base.data.get("sources", {}).items()
+            if not any(leaf == path or leaf.startswith(f"{path}.") for leaf in changed)
+        }
+        result.data["sources"] = kept | change.data.get("sources", {})
+    return result
 
 
-def _tyre_sources(path: Path) -> dict[str, str]:
-    sources = read_mapping(path).get("sources", {})
-    return {f"tyres.{key}": str(text) for key, text in sources.items()} if isinstance(sources, dict) else {}
+def _read_tyres(path: Path, document: Document) -> TyreFile:
+    if not path.exists():
+        raise FileFaults([document.fault(("tyres",), "no such tyre file", found=str(path))], document.file)
+    return validate(load_yaml(path), TyreFile)
+
+
+def _tyre_sources(tyres: TyreFile) -> dict[str, str]:
+    return {f"tyres.{path}": text for path, text in tyres.sources.items()}

@@ -55,7 +55,9 @@ class CurveTyre(FileModel):
     load_sensitivity: float = parameter(
         "1", 0.0, low=0.0, high=0.8, neutral=0.0, description="c in friction (1 - c (Fz / nominal load - 1))"
     )
-    nominal_load: float = parameter("N", 3500.0, low=100.0, high=1e5, description="used with the load sensitivity")
+    nominal_load: float = parameter(
+        "N", 3500.0, low=100.0, high=1e5, description="used with the load sensitivity", source=_ASSUMED
+    )
     relaxation_length_longitudinal: float = parameter(
         "m", 0.0, low=0.0, high=2.0, neutral=0.0, description="lag of the slip"
     )
