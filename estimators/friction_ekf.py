@@ -21,7 +21,7 @@ from estimators.friction_jacobians import (
 )
 from estimators.friction_model import AXLES, SPEED, STATES, STOPPED_F, STOPPED_R
 from estimators.friction_settings import FrictionEkfSettings, friction_inputs
-from estimators.friction_setup import friction_tuning, post_filter_memory
+from estimators.friction_setup import friction_tuning, post_filter_delay, post_filter_memory
 from estimators.friction_step import (
     GATE,
     INNOVATION,
@@ -37,6 +37,7 @@ from estimators.friction_step import (
     begin_tick,
     build_measurement,
     forget_everything,
+    guard_limits,
     stop,
     write_outputs,
 )
@@ -121,8 +122,9 @@ def _tick(
     if begin_tick(state, covariance, status, tuning, guard, positions, inputs, ages) == RUNNING:
         torques, measured = memory[_TORQUES], memory[_MEASURED]
         axle_torques(guard, tuning, torques)
-        build_measurement(guard, tuning, state[SPEED], measured, rows)
+        build_measurement(guard, tuning, status, state[SPEED], measured, rows)
         status[INNOVATION] = filter_step(memory, tuning, torques, measured, rows)
+        guard_limits(state, tuning)
         if not all_finite(state):
             stop(state, covariance, status, tuning)
     forces = memory[_FORCES:_MEMORY_ROWS].ravel()[:24].reshape(4, 6)
@@ -139,6 +141,8 @@ class FrictionEkf(Estimator):
         limit rear, its rate; a view, valid while ``active``.
     covariance : array, shape (9, 9)
         View of the covariance of the state.
+    post_filter_delay_s : float
+        Delay of the ``..._filtered`` outputs for slow changes [s].
     """
 
     def __init__(
@@ -151,6 +155,7 @@ class FrictionEkf(Estimator):
         self._memory = np.zeros((_MEMORY_ROWS, STATES))
         self._status = np.zeros(STATUS_SIZE)
         self._filters = post_filter_memory(settings)
+        self.post_filter_delay_s = post_filter_delay(settings, sample_time_s)
         self._rows = np.zeros(MEASUREMENTS, dtype=np.int64)
         inputs = friction_inputs(settings)
         self._guard, self._positions = input_guard(inputs, settings.input_timeout)

@@ -88,6 +88,25 @@ class FrictionSettings(FileModel):
     prior_friction_limit: float = parameter(
         "1", 1.0, low=0.05, high=2.0, description="initial friction limit and value of rows 6 and 7", source="eq. 103"
     )
+    smallest_friction_limit: float = parameter(
+        "1",
+        0.02,
+        low=-10.0,
+        high=0.5,
+        description="guard: a friction limit that falls below is put there",
+        source="assumed",
+    )
+    speed_row_delay: float = parameter(
+        "s",
+        1.0,
+        low=0.0,
+        high=10.0,
+        description="after a start in the middle of a braking, row 8 joins this much later",
+        source="assumed",
+    )
+    braking_start: float = parameter(
+        "m/s^2", 2.0, low=0.0, high=20.0, description="deceleration at the start that makes it one", source="assumed"
+    )
     locked_rate_time_constant: float = parameter(
         "s",
         0.05,

@@ -58,6 +58,9 @@ def friction_tuning(vehicle: Mapping[str, float], settings: FrictionSettings, sa
     values[step.BRAKE_GAIN_F], values[step.BRAKE_GAIN_R] = car.brake_gain
     values[step.MINIMUM_SPEED] = minimum_speed(settings)
     values[step.HYSTERESIS] = settings.speed_hysteresis
+    values[step.SMALLEST_LIMIT] = settings.smallest_friction_limit
+    values[step.SPEED_ROW_DELAY] = settings.speed_row_delay
+    values[step.BRAKING_START] = settings.braking_start
     values[step.PRIOR_LIMIT] = settings.prior_friction_limit
     values[step.GATE] = settings.gate**2
     values[step.CONFIDENCE_RATIO] = settings.confidence_ratio

@@ -65,6 +65,9 @@ from estimators.post_filter import forget, post_filter
     BRAKE_GAIN_R,
     MINIMUM_SPEED,
     HYSTERESIS,
+    SMALLEST_LIMIT,
+    SPEED_ROW_DELAY,
+    BRAKING_START,
     PRIOR_LIMIT,
     GATE,
     CONFIDENCE_RATIO,
@@ -73,7 +76,7 @@ from estimators.post_filter import forget, post_filter
     POST_FILTER_WEIGHT,
     LOCKED_RATE_DECAY,
     SUBSTEPS,
-) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 17)
+) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 20)
 PROCESS_VARIANCE = SUBSTEPS + 1
 MEASUREMENT_VARIANCE = PROCESS_VARIANCE + STATES
 INITIAL_VARIANCE = MEASUREMENT_VARIANCE + MEASUREMENTS
@@ -84,8 +87,8 @@ IN_ACCELERATION, IN_WHEEL_FL, IN_WHEEL_FR, IN_WHEEL_RL, IN_WHEEL_RR = range(5)
 IN_PRESSURE_FL, IN_PRESSURE_FR, IN_PRESSURE_RL, IN_PRESSURE_RR, IN_DRIVE_F, IN_DRIVE_R = range(5, 11)
 
 # status: one float64 array, then the memories of three post-filters
-ACTIVE, RESETS, CONFIDENT_F, CONFIDENT_R, CONFIDENT_M, INPUT_STATE, INNOVATION = range(7)
-STATUS_SIZE = 7
+ACTIVE, RESETS, CONFIDENT_F, CONFIDENT_R, CONFIDENT_M, INPUT_STATE, INNOVATION, SPEED_ROW_WAIT = range(8)
+STATUS_SIZE = 8
 
 IDLE, STARTED, RUNNING = range(3)
 
@@ -138,6 +141,9 @@ def begin_tick(
             if k != RESETS and k != INPUT_STATE:
                 status[k] = 0.0
         status[ACTIVE] = 1.0
+        # the wheels of a braked car give a wrong speed, and row 8 repeats it with growing certainty
+        if guard[IN_ACCELERATION, VALUE] < -tuning[BRAKING_START]:
+            status[SPEED_ROW_WAIT] = tuning[SPEED_ROW_DELAY]
         return STARTED
     threshold -= tuning[HYSTERESIS]
     if verdict == INPUTS_LOST or (slowest < threshold and state[SPEED] < threshold):
@@ -212,7 +218,12 @@ def axle_torques(guard: FloatArray, tuning: FloatArray, torques: FloatArray) -> 
 
 @njit(cache=True)
 def build_measurement(
-    guard: FloatArray, tuning: FloatArray, speed_before: float, measured: FloatArray, rows: IntArray
+    guard: FloatArray,
+    tuning: FloatArray,
+    status: FloatArray,
+    speed_before: float,
+    measured: FloatArray,
+    rows: IntArray,
 ) -> None:
     """The eight measurements and which of them are there in this tick (3.6.2).
 
@@ -234,6 +245,9 @@ def build_measurement(
     measured[ROW_SPEED] = speed_before + acceleration * tuning[SAMPLE_TIME]
     for r in range(MEASUREMENTS):
         rows[r] = ROW_USED
+    if status[SPEED_ROW_WAIT] > 0.0:
+        status[SPEED_ROW_WAIT] -= tuning[SAMPLE_TIME]
+        rows[ROW_SPEED] = ROW_MISSING
     if tuning[HOLD_INPUTS] > 0.0:
         return
     if guard[IN_ACCELERATION, FRESH] == 0.0:
@@ -242,6 +256,15 @@ def build_measurement(
         rows[ROW_WHEEL_F] = ROW_MISSING
     if guard[IN_WHEEL_RL, FRESH] * guard[IN_WHEEL_RR, FRESH] == 0.0:
         rows[ROW_WHEEL_R] = ROW_MISSING
+
+
+@njit(cache=True)
+def guard_limits(state: FloatArray, tuning: FloatArray) -> None:
+    """Keep the friction limits above their smallest value; below zero the tyre curve would be turned over."""
+    for limit in (LIMIT_F, LIMIT_R):
+        if state[limit] < tuning[SMALLEST_LIMIT]:
+            state[limit] = tuning[SMALLEST_LIMIT]
+            state[limit + 1] = max(state[limit + 1], 0.0)
 
 
 @njit(cache=True)

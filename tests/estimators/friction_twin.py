@@ -123,6 +123,8 @@ def _simulate(
         drive = 0.0
         if not released:
             drive = spin_torque if v < 12.0 else (0.65 * spin_torque if v < 20.0 else 0.45 * spin_torque)
+            rev_limit = 18.0 if v < 12.0 else (30.0 if v < 20.0 else 60.0)  # of the gear, as rim speed
+            drive *= min(1.0, max(0.0, 0.5 * (rev_limit - RADIUS * wr)))
         if braking:
             brake_time += 0.001
             master = min(driver_pressure, brake_time * pressure_rate)
@@ -248,7 +250,7 @@ def held(columns: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], dict[st
     """The same signals as frames of 5 ms (speeds, inertial) and 10 ms (pressures, powertrain), with their ages."""
     length = len(next(iter(columns.values())))
     index = np.arange(length)
-    period = {"wheel_speed": (5, 0), "longitudinal": (5, 1), "brake_pressure": (10, 2), "drive_torque": (10, 3)}
+    period = {"wheel_speed": (5, 0), "longitudinal": (5, 3), "brake_pressure": (10, 5), "drive_torque": (10, 1)}
     names = {
         "wheel_speed": "age_wheel_speed",
         "longitudinal": "age_inertial",
