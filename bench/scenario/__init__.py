@@ -11,7 +11,7 @@ _EXPORTS = {
     "resolve": "bench.scenario.resolution",
 }
 
-__all__ = ["ScenarioFile", "dump", "resolve"]  # noqa: F822 - provided by __getattr__
+__all__ = ["ScenarioFile", "dump", "resolve"]
 
 
 def __getattr__(name: str) -> Any:

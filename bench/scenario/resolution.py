@@ -34,6 +34,10 @@ def resolve(
     *,
     seed: int | None = None,
     vehicle: str | None = None,
+    plant: str | None = None,
+    ecu: str | None = None,
+    link: str | None = None,
+    pacing: str | None = None,
     variant: str | None = None,
 ) -> ScenarioFile:
     """The scenario that a run is made of.
@@ -44,8 +48,8 @@ def resolve(
         Path of a file, or the id of a scenario in ``./scenarios`` or among the shipped ones.
     sets : sequence of str or mapping
         ``path=value`` as for ``--set``: fields of the scenario, parameters of car and road.
-    seed, vehicle : optional
-        Win over the file.
+    seed, vehicle, plant, ecu, link, pacing : optional
+        In place of what the file says; ``ecu`` is the kind of ECU.
     variant : str, optional
         Name of one of the file's variants.
 
@@ -57,10 +61,8 @@ def resolve(
     path = find_scenario(scenario)
     document = read_document(path)
     changes = parse_sets(sets)
-    if seed is not None:
-        changes["seed"] = seed
-    if vehicle is not None:
-        changes["vehicle"] = vehicle
+    options = {"seed": seed, "vehicle": vehicle, "plant": plant, "ecu.kind": ecu, "ecu.link": link, "pacing": pacing}
+    changes |= {name: value for name, value in options.items() if value is not None}
     if variant is not None:
         chosen = _variant(document, path, variant)
         changes = {**chosen.sets, **changes}

@@ -3,7 +3,7 @@
 docs/scenario_reference.md is generated from these models.
 """
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -15,9 +15,6 @@ from signals.errors import FieldError
 from signals.quantities import FileModel, parameter
 from vehicle_model.manoeuvre_file import ManoeuvreFile
 from vehicle_model.road_file import RoadFile
-
-if TYPE_CHECKING:
-    from vehicle_model.vehicle_file import VehicleFile
 
 EcuKind = Literal["emulated", "inprocess", "external", "none"]
 
@@ -77,13 +74,10 @@ class HydraulicUnitChoice(FileModel):
     )
 
 
-class Initial(FileModel):
-    """State of the car at the start of the run: wheels rolling freely, springs at rest."""
+class PlantOptions(FileModel):
+    """Numerics of the plant."""
 
-    speed: float = parameter("m/s", 0.0, low=0.0, high=120.0, description="along the car")
-    position_x: float = parameter("m", 0.0, low=-1e5, high=1e5, description="place along the road")
-    position_y: float = parameter("m", 0.0, low=-1e3, high=1e3, description="place across the road, left positive")
-    yaw_angle: float = parameter("rad", 0.0, low=-3.2, high=3.2, description="heading against the road")
+    wheel_substeps: int = Field(default=5, ge=1, le=100, description="steps of the wheels' rotation in a tick of 1 ms")
 
 
 class Recording(FileModel):
@@ -134,6 +128,7 @@ class ScenarioFile(FileModel):
         default="mujoco",
         description="mujoco: the 16-DOF car; single_track: the longitudinal twin of the friction document",
     )
+    plant_options: PlantOptions = Field(default_factory=PlantOptions, description="numerics of the plant")
     tyres: str | None = Field(
         default=None, description="tyre file in place of the vehicle's: name of a shipped one or a path"
     )
@@ -147,7 +142,10 @@ class ScenarioFile(FileModel):
     road: Annotated[RoadFile, Field(json_schema_extra=_or_name)] = Field(
         default_factory=RoadFile, description="name of a shipped road, path of a road file, or the road itself"
     )
-    initial: Initial = Field(default_factory=Initial, description="state at the start")
+    initial_speed: float = parameter("m/s", 0.0, low=0.0, high=120.0, description="at the start of the run")
+    initial_gear: int | None = Field(
+        default=None, ge=0, le=12, description="gear at the start; without it what suits the speed"
+    )
     manoeuvre: ManoeuvreFile = Field(description="what the driver does, step by step")
     hydraulic_unit: HydraulicUnitChoice = Field(default_factory=HydraulicUnitChoice, description="hydraulic unit")
     ecu: Ecu = Field(default_factory=Ecu, description="the control unit under test and the link to it")
@@ -165,29 +163,11 @@ class ScenarioFile(FileModel):
     pacing: Literal["realtime", "lockstep"] = Field(
         default="realtime", description="realtime: by the wall clock; lockstep: virtual time, reproducible bit for bit"
     )
-    duration: float = parameter(
+    time_limit: float = parameter(
         "s", 60.0, low=0.001, high=36000.0, description="the run ends here if the manoeuvre has not ended before"
     )
     seed: int = Field(default=1, ge=0, le=2**63 - 1, description="of every random number of the run")
     variants: Variants | None = Field(default=None, description="further runs of this scenario with other values")
-
-    def nominal_vehicle(self) -> "VehicleFile":
-        """The car that ECU and estimators believe in: the vehicle file as it is."""
-        from bench.scenario.vehicle_choice import nominal_vehicle
-
-        return nominal_vehicle(self)
-
-    def vehicle_as_driven(self) -> "VehicleFile":
-        """The car that is simulated: the vehicle file with this scenario's tyres, sensors and overrides."""
-        from bench.scenario.vehicle_choice import vehicle_as_driven
-
-        return vehicle_as_driven(self)
-
-    def estimator_requests(self) -> dict[str, tuple[str, dict[str, Any]]]:
-        """Name of each estimator in this run to its kind and settings."""
-        from bench.scenario.estimator_names import kind_of
-
-        return {name: (kind_of(name), settings) for name, settings in self.estimators.items()}
 
     @model_validator(mode="after")
     def _unique(self) -> "ScenarioFile":
