@@ -110,10 +110,22 @@ PARAMETERS: tuple[Parameter, ...] = (
     _hydraulics("pump_pressure", "Pa", 1.5e7, 0.0, 4e7, "pressure of active build-up", "assumed"),
     _hydraulics("active_build_up", "1", 0.0, 0.0, 1.0, "1 while an ESP logic builds pressure by pump", "neutral"),
     _hydraulics(
-        "caliper_stiffness_front", "Pa/m^3", 3.75e12, 1e11, 1e15, "pressure per volume", "assumed: 4 cm^3 at 150 bar"
+        "caliper_stiffness_front",
+        "Pa/m^3",
+        7e12,
+        1e11,
+        1e15,
+        "pressure per volume",
+        "assumed: 0.014 cm^3/bar above the knee",
     ),
     _hydraulics(
-        "caliper_stiffness_rear", "Pa/m^3", 1e13, 1e11, 1e15, "pressure per volume", "assumed: 1.5 cm^3 at 150 bar"
+        "caliper_stiffness_rear",
+        "Pa/m^3",
+        1.6e13,
+        1e11,
+        1e15,
+        "pressure per volume",
+        "assumed: 0.006 cm^3/bar above the knee",
     ),
     _hydraulics("rearm_near_target", "1", 0.0, 0.0, 1.0, "1 re-arms build-up each step near the target", _SPEC),
     _hydraulics("literal_event", "1", 0.0, 0.0, 1.0, "1 uses the printed AND form of the event", "document 2.6.3"),

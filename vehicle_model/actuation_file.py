@@ -92,10 +92,20 @@ class Hydraulics(FileModel):
     )
     active_build_up: float = _from_zero("1 while an ESP logic builds pressure by pump", "1", 1.0)
     caliper_stiffness_front: float = parameter(
-        "Pa/m^3", 3.75e12, low=1e11, high=1e15, description="pressure per volume", source="assumed: 4 cm^3 at 150 bar"
+        "Pa/m^3",
+        7e12,
+        low=1e11,
+        high=1e15,
+        description="pressure per volume",
+        source="assumed: 0.014 cm^3/bar above the knee",
     )
     caliper_stiffness_rear: float = parameter(
-        "Pa/m^3", 1e13, low=1e11, high=1e15, description="pressure per volume", source="assumed: 1.5 cm^3 at 150 bar"
+        "Pa/m^3",
+        1.6e13,
+        low=1e11,
+        high=1e15,
+        description="pressure per volume",
+        source="assumed: 0.006 cm^3/bar above the knee",
     )
     rearm_near_target: float = _from_zero("1 re-arms build-up each step near the target", "1", 1.0)
     literal_event: float = _from_zero("1 uses the printed AND form of the event", "1", 1.0)
