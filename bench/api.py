@@ -56,6 +56,7 @@ def run(
     vehicle: str | None = None,
     plant: str | None = None,
     seed: int | None = None,
+    variant: str | None = None,
     sets: Sequence[str] | Mapping[str, Any] = (),
     out: str | Path | None = None,
     record: bool = True,
@@ -70,7 +71,7 @@ def run(
         Path or id of a scenario file, or a resolved scenario.
     pacing : {"realtime", "lockstep"}, optional
         By the wall clock or in virtual time; default: the scenario's.
-    ecu, link, vehicle, plant, seed, sets
+    ecu, link, vehicle, plant, seed, variant, sets
         In place of what the scenario says; ``sets`` holds ``path=value`` texts or a mapping.
     out : path, optional
         Folder of the recording; by default ``runs/<scenario>-<time>``.
@@ -89,7 +90,15 @@ def run(
         If the run could not begin; once it has begun, a failure is a verdict "error" and everything is kept.
     """
     resolved = _resolved(
-        scenario, pacing=pacing, ecu=ecu, link=link, vehicle=vehicle, plant=plant, seed=seed, sets=sets
+        scenario,
+        pacing=pacing,
+        ecu=ecu,
+        link=link,
+        vehicle=vehicle,
+        plant=plant,
+        seed=seed,
+        sets=sets,
+        variant=variant,
     )
     from bench.loop.connection import check_combination
     from bench.loop.runs import run_in_memory, run_recorded
@@ -100,11 +109,25 @@ def run(
     return run_recorded(resolved, None if out is None else Path(out), dashboard=dashboard, progress=progress)
 
 
-def _resolved(scenario: str | Path | ScenarioFile, **changes: Any) -> ScenarioFile:
-    from bench.scenario import resolve
+def _resolved(
+    scenario: str | Path | ScenarioFile,
+    *,
+    pacing: str | None,
+    ecu: str | None,
+    link: str | None,
+    vehicle: str | None,
+    plant: str | None,
+    seed: int | None,
+    sets: Sequence[str] | Mapping[str, Any],
+    variant: str | None,
+) -> ScenarioFile:
+    from bench.scenario.documents import parse_sets
+    from bench.scenario.resolution import resolve
 
+    named = {"pacing": pacing, "ecu.kind": ecu, "ecu.link": link, "plant": plant}
+    changes = {**parse_sets(sets), **{path: value for path, value in named.items() if value is not None}}
     if not isinstance(scenario, ScenarioFile):
-        return resolve(scenario, **changes)
-    if any(value not in (None, (), {}) for value in changes.values()):
-        raise TypeError("a resolved scenario takes no changes; make them with bench.scenario.resolve")
+        return resolve(scenario, changes, seed=seed, vehicle=vehicle, variant=variant)
+    if changes or seed is not None or vehicle is not None or variant is not None:
+        raise TypeError("a resolved scenario takes no changes; make them with bench.scenario.resolution.resolve")
     return scenario

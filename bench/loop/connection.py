@@ -17,6 +17,8 @@ from bench.scenario.schema import ScenarioFile
 from signals.errors import InputError, RunError
 
 BARRIER_NAME = "barrier"
+START_TIMEOUT_S = 60.0
+"""Time for the emulated ECU's process to start, its code compiled or loaded."""
 
 
 def check_combination(scenario: ScenarioFile) -> None:
@@ -120,8 +122,8 @@ def _connect_link(scenario: ScenarioFile, cores: CorePlan, log: IO[bytes] | None
         raise InputError(f"lock-step on {link.kind}: this kind of link keeps its own time", mend="use --realtime")
     if ecu.kind != "emulated":
         silent = ecu.kind == "none" or ecu.expect != "alive"
-        side = LinkedEcu(link, float("inf") if silent else ecu.first_answer)
-        return Connection(side, link.text, link.statistics, expect=ecu.expect if ecu.kind == "external" else "silent")
+        other = LinkedEcu(link, float("inf") if silent else ecu.first_answer)
+        return Connection(other, link.text, link.statistics, expect=ecu.expect if ecu.kind == "external" else "silent")
     folder = tempfile.TemporaryDirectory(prefix="bench-") if lockstep else None
     arguments = ["--link", link.text, "--calibration", ecu.calibration]
     for option, value in (("--dbc", ecu.dbc), ("--mapping", ecu.mapping)):
@@ -138,7 +140,14 @@ def _connect_link(scenario: ScenarioFile, cores: CorePlan, log: IO[bytes] | None
     with on_helper_cores(cores):
         child = start_module("ecu", "bench.ecu.process", arguments, log=log)
     if server is not None:
-        return Connection(BarrierEcu(link, server), link.text, link.statistics, child, ecu.expect, folder)
+        side = BarrierEcu(link, server, may_be_lost=ecu.expect != "alive")
+        connection = Connection(side, link.text, link.statistics, child, ecu.expect, folder)
+        try:
+            server.wait_for_peer(START_TIMEOUT_S, lambda: child.exit_code is None)
+        except RunError:
+            connection.close()
+            raise
+        return connection
     silent = ecu.expect == "silent"
-    side = LinkedEcu(link, float("inf") if silent else ecu.first_answer)
-    return Connection(side, link.text, link.statistics, child, ecu.expect)
+    linked = LinkedEcu(link, float("inf") if silent else ecu.first_answer)
+    return Connection(linked, link.text, link.statistics, child, ecu.expect)

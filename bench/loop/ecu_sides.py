@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.links.barrier import BarrierServer
+from bench.links.barrier import BarrierServer, PeerLost
 from bench.links.frame import FRAME_DTYPE
 from bench.links.interface import Link
 from signals.errors import RunError
@@ -121,38 +121,49 @@ class LinkedEcu:
 
 
 class BarrierEcu:
-    """An ECU in another process in virtual time: both run tick n at the same time on the frames of tick n − 1."""
+    """An ECU in another process in virtual time: both run tick n at the same time on the frames of tick n − 1.
 
-    def __init__(self, link: Link, barrier: BarrierServer) -> None:
+    Parameters
+    ----------
+    link, barrier
+        Open; the peer has joined the barrier.
+    may_be_lost : bool
+        The scenario expects that the ECU may end: from then on nobody answers. Otherwise its end is an error.
+    """
+
+    def __init__(self, link: Link, barrier: BarrierServer, may_be_lost: bool) -> None:
         self._link = link
         self._barrier = barrier
-        self._sent = 0
-        self._held = np.zeros(MAX_FRAMES, FRAME_DTYPE)
-        self._held_count = 0
-        self._received = 0
+        self._may_be_lost = may_be_lost
+        self._sent = np.zeros(MAX_FRAMES, FRAME_DTYPE)
+        self._sent_count = 0
         self._running = False
+        self._lost = False
 
     def receive(self, tick: int, frames: NDArray[np.void]) -> int:
         """Frames that the peer sent in its previous tick; then lets it run this one."""
-        if self._running:
-            self._collect()
-        count = self._held_count
-        frames[:count] = self._held[:count]
-        self._held_count = 0
-        self._barrier.begin(tick, self._sent)
+        if self._lost:
+            return 0
+        try:
+            return self._exchange(tick, frames)
+        except PeerLost:
+            if not self._may_be_lost:
+                raise
+            self._lost = True
+            return 0
+
+    def _exchange(self, tick: int, frames: NDArray[np.void]) -> int:
+        count = self._barrier.finish(self._link, frames) if self._running else 0
+        self._barrier.begin(tick, self._sent, self._sent_count)
+        self._sent_count = 0
         self._running = True
         return count
 
-    def _collect(self) -> None:
-        """Wait for the peer's answer to the running tick and read the frames that it has sent in it."""
-        promised = self._barrier.finish()
-        self._held_count = self._link.receive_until(self._held, promised - self._received, self._barrier.timeout_s)
-        self._received = promised
-
     def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:
-        """Put the frames on the link; the peer is told their number at the next tick."""
+        """Put the frames on the link; the peer is told of them at the next tick."""
         self._link.send(frames, count)
-        self._sent += count
+        self._sent[:count] = frames[:count]
+        self._sent_count = count
 
     def close(self) -> None:
         """End the barrier and close the link."""

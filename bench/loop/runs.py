@@ -1,6 +1,5 @@
 """A run from its resolved scenario to its verdict, in memory or recorded."""
 
-import os
 import time
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
@@ -14,7 +13,7 @@ from bench.links.frame import FRAME_DTYPE
 from bench.loop.children import Child, on_helper_cores, start_module
 from bench.loop.connection import Connection, connect
 from bench.loop.memory import MemoryRecorder
-from bench.loop.pacing import LockstepPacer, RealtimePacer
+from bench.loop.pacing import LockstepPacer, RealtimePacer, TickTimes
 from bench.loop.scheduling import SchedulingReport, plan_cores, real_time_process
 from bench.loop.session import Pacer, Parts, Session, build_parts, timing_extras
 from bench.loop.timing import summarise
@@ -66,14 +65,29 @@ def run_recorded(
     *,
     dashboard: bool = False,
     progress: Callable[[str], None] | None = None,
+    fifo: bool = True,
+    times: list[TickTimes] | None = None,
 ) -> Run:
-    """Run with recording, helper processes, verdict and report; a failure on the way is the verdict "error"."""
+    """Run with recording, helper processes, verdict and report; a failure on the way is the verdict "error".
+
+    Parameters
+    ----------
+    fifo : bool
+        False does without SCHED_FIFO.
+    times : list, optional
+        Receives the times of all ticks of a real-time run.
+    """
     say = progress or (lambda text: None)
     say("building the car")
     warm_up(scenario, say)
     parts = build_parts(scenario)
     folder = out if out is not None else default_folder(scenario)
-    return _RecordedRun(scenario, parts, folder, dashboard, say).run()
+    recorded = _RecordedRun(scenario, parts, folder, dashboard, say, fifo)
+    try:
+        return recorded.run()
+    finally:
+        if times is not None:
+            times.append(recorded.times)
 
 
 def default_folder(scenario: ScenarioFile) -> Path:
@@ -89,8 +103,15 @@ class _RecordedRun:
     """State of one recorded run between its steps."""
 
     def __init__(
-        self, scenario: ScenarioFile, parts: Parts, folder: Path, dashboard: bool, say: Callable[[str], None]
+        self,
+        scenario: ScenarioFile,
+        parts: Parts,
+        folder: Path,
+        dashboard: bool,
+        say: Callable[[str], None],
+        fifo: bool,
     ) -> None:
+        self._fifo = fifo
         self._scenario = scenario
         self._parts = parts
         self._folder = folder
@@ -103,6 +124,11 @@ class _RecordedRun:
         self._interrupted = False
         self._ticks_done = 0
         self._wall_s = 0.0
+
+    @property
+    def times(self) -> TickTimes:
+        """Times of the ticks so far."""
+        return self._pacer.times
 
     def run(self) -> Run:
         """From the first process to the sealed folder."""
@@ -153,8 +179,8 @@ class _RecordedRun:
         with on_helper_cores(self._cores):
             return start_module(
                 "dashboard",
-                "bench.dashboard.process",
-                ["--ring", str(recording.writer.path), "--parent", str(os.getpid())],
+                "bench.dashboard",
+                [str(recording.writer.path)],
                 terminal=True,
             )
 
@@ -163,7 +189,11 @@ class _RecordedRun:
         realtime = self._scenario.pacing == "realtime"
         began = time.perf_counter()
         try:
-            with real_time_process(self._cores) if realtime else nullcontext(SchedulingReport()) as report:
+            with (
+                real_time_process(self._cores, fifo=self._fifo)
+                if realtime
+                else nullcontext(SchedulingReport()) as report
+            ):
                 self._scheduling = report
                 session.run(recording, self._pacer)
         finally:

@@ -54,8 +54,10 @@ class SchedulingReport:
     remarks: list[str] = field(default_factory=list)
 
 
-def _try_fifo(report: SchedulingReport) -> None:
+def _try_fifo(report: SchedulingReport, allowed: bool) -> None:
     try:
+        if not allowed:
+            raise PermissionError
         os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(FIFO_PRIORITY))
         report.scheduler = f"fifo {FIFO_PRIORITY}"
     except PermissionError:
@@ -76,15 +78,21 @@ def _try_lock_memory(report: SchedulingReport) -> None:
 
 
 @contextmanager
-def real_time_process(plan: CorePlan) -> Iterator[SchedulingReport]:
-    """Give the calling process what a 1 kHz loop wants and take it back at the end."""
+def real_time_process(plan: CorePlan, *, fifo: bool = True) -> Iterator[SchedulingReport]:
+    """Give the calling process what a 1 kHz loop wants and take it back at the end.
+
+    Parameters
+    ----------
+    fifo : bool
+        False does without SCHED_FIFO, as a user without the right has to.
+    """
     report = SchedulingReport()
     affinity_before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, plan.loop)
     report.cores = sorted(plan.loop)
     if plan.shared:
         report.remarks.append("one core only: loop and helper processes share it")
-    _try_fifo(report)
+    _try_fifo(report, fifo)
     _try_lock_memory(report)
     gc.collect()
     gc.freeze()

@@ -155,7 +155,8 @@ class Stimuli:
                     self._note(entry[0].stimulus, "ends")
 
     def _over(self, active: _Active) -> bool:
-        return self._time_s - active.began_s >= active.stimulus.duration_s
+        # a microsecond less, so that rounding of the times does not add a tick
+        return self._time_s - active.began_s >= active.stimulus.duration_s - 1e-6
 
     def _note(self, stimulus: Stimulus, event: str) -> None:
         self.active_count += 1 if event == "begins" else -1

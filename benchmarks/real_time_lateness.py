@@ -1,0 +1,84 @@
+"""Real-time loop at 1 kHz with recording and dashboard open, an empty loop alternated with it.
+
+python -m benchmarks.real_time_lateness [--seconds 60] [--slice 5] [--no-fifo]
+Goals: p99 lateness at most 20 us with SCHED_FIFO and 200 us without rights; no tick late by the bench's own doing;
+processor time of a tick p50 at most 150 us, p99 at most 350 us. What the empty loop suffers is the machine's.
+"""
+
+import argparse
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from bench.loop.pacing import RealtimePacer, TickTimes
+from bench.loop.runs import run_recorded
+from bench.loop.scheduling import plan_cores, real_time_process
+from bench.loop.timing import summarise
+from bench.scenario.resolution import resolve
+
+SCENARIO = "stops/hold_speed"
+
+
+def empty_loop(seconds: float, fifo: bool) -> TickTimes:
+    """What the machine does to a loop that does nothing."""
+    ticks = round(seconds * 1000)
+    pacer = RealtimePacer(ticks)
+    with real_time_process(plan_cores(), fifo=fifo):
+        pacer.start()
+        for n in range(ticks):
+            pacer.wait(n)
+            pacer.done(n)
+    return pacer.times
+
+
+def joined(parts: list[TickTimes]) -> TickTimes:
+    """Times of several slices as one."""
+    return TickTimes(
+        np.concatenate([p.lateness_ns[: p.count] for p in parts]),
+        np.concatenate([p.duration_ns[: p.count] for p in parts]),
+        np.concatenate([p.cpu_ns[: p.count] for p in parts]),
+        sum(p.count for p in parts),
+        sum(p.skipped for p in parts),
+    )
+
+
+def show(name: str, times: TickTimes) -> None:
+    """One line for people."""
+    s = summarise(times)
+    late, cpu = s["lateness_us"], s["tick_cpu_us"]
+    print(
+        f"{name:9s} {times.count} ticks  lateness us p50 {late['p50']:.1f}  p99 {late['p99']:.1f}  "
+        f"p99.9 {late['p999']:.1f}  max {late['max']:.0f}  late {s['late_ticks']} (ours {s['late_ticks_ours']}, "
+        f"machine {s['late_ticks_machine']})  skipped {s['skipped_ticks']}  cpu us p50 {cpu['p50']:.0f} p99 {cpu['p99']:.0f}"
+    )
+
+
+def main() -> None:
+    """Alternate slices of the bench and of the empty loop, then print both."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--slice", type=float, default=5.0)
+    parser.add_argument("--no-fifo", action="store_true", help="measure as a user without rights")
+    parser.add_argument("--no-dashboard", action="store_true")
+    arguments = parser.parse_args()
+    fifo = not arguments.no_fifo
+    bench_times: list[TickTimes] = []
+    empty_times: list[TickTimes] = []
+    scenario = resolve(SCENARIO, {"pacing": "realtime", "time_limit": arguments.slice})
+    with tempfile.TemporaryDirectory() as folder:
+        for n in range(max(1, round(arguments.seconds / arguments.slice))):
+            run = run_recorded(
+                scenario, Path(folder) / f"slice{n}", dashboard=not arguments.no_dashboard, fifo=fifo, times=bench_times
+            )
+            if run.verdict.errors:
+                raise SystemExit(f"the run failed: {run.verdict.errors}")
+            empty_times.append(empty_loop(arguments.slice, fifo))
+    print(f"cores {sorted(os.sched_getaffinity(0))}, loop on {sorted(plan_cores().loop)}")
+    show("bench", joined(bench_times))
+    show("empty", joined(empty_times))
+
+
+if __name__ == "__main__":
+    main()
