@@ -1,0 +1,129 @@
+"""Charts of the car's motion: speeds, deceleration, slip, yaw, steering, place on the road."""
+
+import numpy as np
+
+from bench.report.charts import Area, Chart, ChartBook, LineChart, Series
+from bench.report.run_data import FloatArray, RunData
+from signals.wheels import WHEELS
+
+KMH = 3.6
+DEGREES = 180.0 / np.pi
+STANDING_M_S = 0.3
+FAST_M_S = 15 / 3.6  # below it a wheel may lock: what happens there must not set the scale
+
+
+def wheel_rim_speeds(run: RunData) -> dict[str, FloatArray]:
+    """Speed of each wheel's circumference in m/s, from its slip and the speed of its centre.
+
+    Slip is (R ω - v)/max(R ω, v), so R ω = v (1 + slip) while braking and v/(1 - slip) while driving.
+    """
+    speeds = {}
+    for wheel in WHEELS:
+        if not run.has(f"wheel_centre_speed_{wheel}", f"slip_ratio_{wheel}"):
+            continue
+        centre, slip = run.array(f"wheel_centre_speed_{wheel}"), run.array(f"slip_ratio_{wheel}")
+        driving = np.maximum(1.0 - slip, 1e-3)
+        speeds[wheel] = np.where(slip <= 0.0, centre * (1.0 + slip), centre / driving)
+    return speeds
+
+
+def speed_chart(run: RunData, book: ChartBook) -> Chart | None:
+    """Speed of the car and of the wheels' circumference, reference speed of the ECU."""
+    if not run.has("speed"):
+        return None
+    series = []
+    for wheel, speed in wheel_rim_speeds(run).items():
+        name = book.add_signal(f"rim_speed_{wheel}", run.time, speed * KMH)
+        series.append(Series(wheel.upper(), name, wheel))
+    if run.has("ecu_reference_speed"):
+        name = book.add_signal("ecu_reference_speed", run.time, run.array("ecu_reference_speed") * KMH)
+        series.append(Series("reference speed of the ECU", name, "second", "thin", dashed=True))
+    name = book.add_signal("speed", run.time, run.array("speed") * KMH)
+    series.append(Series("car", name, "reference", "bold"))
+    return LineChart(
+        "speed", "Speed of the car and its wheels", "km/h", series, height=270, wide=True, step_names=True,
+        explanation="Wheels: speed of the circumference. A wheel far below the car is about to lock.",
+    )  # fmt: skip
+
+
+def slip_chart(run: RunData, book: ChartBook) -> Chart | None:
+    """Magnitude of braking slip of each wheel, blank while the car stands."""
+    if not run.has_wheels("slip_ratio"):
+        return None
+    moving = run.array("speed") > STANDING_M_S if run.has("speed") else np.ones(len(run.time), np.bool_)
+    fast = run.array("speed") > FAST_M_S if run.has("speed") else moving
+    series, shown = [], []
+    for wheel in WHEELS:
+        percent = np.where(moving, run.array(f"slip_ratio_{wheel}") * -100.0, np.nan)
+        series.append(Series(wheel.upper(), book.add_signal(f"slip_{wheel}", run.time, percent), wheel))
+        shown.append(percent[fast & np.isfinite(percent)])
+    values = np.concatenate([np.zeros(1), *shown])
+    span = (min(1.05 * float(values.min()), -1.0), max(1.08 * float(values.max()), 20.0))
+    return LineChart(
+        "slip", "Brake slip", "%", series, height=230, wide=True, range=span,
+        explanation="0 % rolls freely, 100 % is locked, negative values drive.",
+    )  # fmt: skip
+
+
+def deceleration_chart(run: RunData, book: ChartBook) -> Chart | None:
+    """Deceleration of the car, and the accelerometer as the bus carries it."""
+    series = []
+    if run.has("longitudinal_acceleration"):
+        name = book.add_signal("measured_deceleration", run.time, -run.array("longitudinal_acceleration"))
+        series.append(Series("sensor", name, "other", "thin"))
+    if run.has("true_longitudinal_acceleration"):
+        name = book.add_signal("deceleration", run.time, -run.array("true_longitudinal_acceleration"))
+        series.append(Series("car", name, "reference"))
+    return LineChart("deceleration", "Deceleration", "m/s²", series, smallest_span=1.0) if series else None
+
+
+def yaw_chart(run: RunData, book: ChartBook) -> Chart | None:
+    """Yaw rate of the car and of the sensor, side-slip angle."""
+    series = []
+    if run.has("yaw_rate"):
+        name = book.add_signal("measured_yaw_rate", run.time, run.array("yaw_rate") * DEGREES)
+        series.append(Series("sensor", name, "other", "thin"))
+    if run.has("true_yaw_rate"):
+        name = book.add_signal("yaw_rate", run.time, run.array("true_yaw_rate") * DEGREES)
+        series.append(Series("car", name, "reference"))
+    return (
+        LineChart("yaw", "Yaw rate", "°/s", series, smallest_span=4.0, explanation="Positive to the left.")
+        if series
+        else None
+    )
+
+
+def steering_chart(run: RunData, book: ChartBook) -> Chart | None:
+    """Steering-wheel angle of the driver."""
+    if not run.has("driver_steering_wheel_angle"):
+        return None
+    name = book.add_signal("steering", run.time, run.array("driver_steering_wheel_angle") * DEGREES)
+    return LineChart("steering", "Steering wheel", "°", [Series("driver", name, "reference")], smallest_span=10.0)
+
+
+def lateral_chart(run: RunData, book: ChartBook) -> Chart | None:
+    """Place across the road."""
+    if not run.has("position_y"):
+        return None
+    name = book.add_signal("position_y", run.time, run.array("position_y"))
+    return LineChart(
+        "lateral", "Place across the road", "m", [Series("centre of gravity", name, "reference")], smallest_span=0.4
+    )
+
+
+def lateral_acceleration_chart(run: RunData, book: ChartBook) -> Chart | None:
+    """Lateral acceleration of the car."""
+    if not run.has("true_lateral_acceleration"):
+        return None
+    name = book.add_signal("lateral_acceleration", run.time, run.array("true_lateral_acceleration"))
+    return LineChart(
+        "lateral-acceleration", "Lateral acceleration", "m/s²", [Series("car", name, "reference")], smallest_span=1.0
+    )
+
+
+def deviation_area(book: ChartBook, run: RunData, estimate: str, deviation: str, colour: str, ceiling: float) -> Area:
+    """Ground of ± one standard deviation about an estimate, cut at ``ceiling``: the start must not dwarf the rest."""
+    value, spread = run.array(estimate), run.array(deviation)
+    low = book.add_signal(f"{estimate}.low", run.time, np.clip(value - spread, 0.0, ceiling))
+    high = book.add_signal(f"{estimate}.high", run.time, np.clip(value + spread, 0.0, ceiling))
+    return Area(low, high, colour)
