@@ -21,12 +21,15 @@ class Output:
     references : tuple of str
         Signals of the simulated car whose mean is the true value; empty where there is none. The estimator never sees
         them: reports and criteria compare with them.
+    weights : tuple of str
+        Signals of the simulated car that weight this mean, one for each reference; empty for a plain mean.
     """
 
     name: str
     unit: str
     description: str
     references: tuple[str, ...] = ()
+    weights: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -68,14 +71,16 @@ class Description:
             for output in self.outputs
         )
 
-    def references(self) -> dict[str, tuple[str, ...]]:
-        """Signals of the simulated car to compare an output with, by full output name."""
-        return {f"{self.name}.{output.name}": output.references for output in self.outputs if output.references}
+    def compared(self) -> tuple[Output, ...]:
+        """Outputs that the simulated car has a true value of: mean of ``references``, weighted by ``weights``."""
+        return tuple(output for output in self.outputs if output.references)
 
 
-def with_deviation(name: str, unit: str, description: str, references: tuple[str, ...] = ()) -> tuple[Output, Output]:
+def with_deviation(
+    name: str, unit: str, description: str, references: tuple[str, ...] = (), weights: tuple[str, ...] = ()
+) -> tuple[Output, Output]:
     """An output and its standard deviation beside it."""
     return (
-        Output(name, unit, description, references),
+        Output(name, unit, description, references, weights),
         Output(f"{name}_std", unit, f"standard deviation: {description}"),
     )

@@ -6,8 +6,7 @@ from pydantic import Field
 
 from signals.quantities import FileModel, parameter
 
-_KNOWN = "friction document 3.6.8, torque known"
-_UNKNOWN = "friction document 3.6.8, torque unknown"
+_TABLE = "friction document 3.6.8, 3.6.9"
 
 
 class TyreCurve(FileModel):
@@ -22,53 +21,78 @@ class TyreCurve(FileModel):
 class ProcessNoise(FileModel):
     """Standard deviations per millisecond step; what is left out follows from the torque mode."""
 
-    speed: float | None = parameter("m/s", None, low=0.0, description="speed")
-    wheel_speed: float | None = parameter("rad/s", None, low=0.0, description="wheel speeds")
-    slip: float | None = parameter("1", None, low=0.0, description="slips")
-    friction_limit: float | None = parameter("1", None, low=0.0, description="friction limits k0")
-    friction_limit_rate: float | None = parameter("1/s", None, low=0.0, description="rates of the friction limits")
+    speed: float | None = parameter(
+        "m/s", None, low=0.0, description="speed; 0.0015 with torques, 0.0045 without", source=_TABLE
+    )
+    wheel_speed: float | None = parameter(
+        "rad/s", None, low=0.0, description="wheel speeds; known 0.1, z1 300, z2 1", source=_TABLE
+    )
+    slip: float | None = parameter("1", None, low=0.0, description="slips; known 0.02, z1 1.5, z2 0.05", source=_TABLE)
+    friction_limit: float | None = parameter(
+        "1", None, low=0.0, description="friction limits k0; 0.0015 with torques, 0.002 without", source=_TABLE
+    )
+    friction_limit_rate: float | None = parameter(
+        "1/s",
+        None,
+        low=0.0,
+        description="rates of the limits; 0.01 with torques, 0.0005 without",
+        source=_TABLE,
+    )
 
 
 class MeasurementNoise(FileModel):
     """Standard deviations of the eight measurement rows; what is left out follows from the torque mode."""
 
-    acceleration: float | None = parameter("m/s^2", None, low=1e-6, description="row 1, accelerometer")
-    wheel_speed: float | None = parameter("rad/s", None, low=1e-6, description="rows 2 and 3")
-    slip: float | None = parameter("1", None, low=1e-6, description="rows 4 and 5, slip equation")
-    friction_limit: float | None = parameter("1", None, low=1e-6, description="rows 6 and 7, pull towards 1")
-    speed: float | None = parameter("m/s", None, low=1e-6, description="row 8, speed from the accelerometer")
+    acceleration: float | None = parameter(
+        "m/s^2", None, low=1e-6, description="row 1, accelerometer; 0.25 with torques, 0.3 without", source=_TABLE
+    )
+    wheel_speed: float | None = parameter("rad/s", None, low=1e-6, description="rows 2 and 3; 0.05", source=_TABLE)
+    slip: float | None = parameter(
+        "1", None, low=1e-6, description="rows 4 and 5, equation of the slip; 0.001", source=_TABLE
+    )
+    friction_limit: float | None = parameter(
+        "1",
+        None,
+        low=1e-6,
+        description="rows 6 and 7, the prior; 10 with torques, 0.6 without",
+        source=_TABLE,
+    )
+    speed: float | None = parameter(
+        "m/s", None, low=1e-6, description="row 8, speed from the accelerometer; 0.0075 or 0.002", source=_TABLE
+    )
 
 
 class InitialDeviation(FileModel):
     """Standard deviations of the initial state."""
 
-    speed: float = parameter("m/s", 0.5, low=0.0, description="speed", source=_KNOWN)
-    wheel_speed: float = parameter("rad/s", 0.2, low=0.0, description="wheel speeds", source=_KNOWN)
-    slip: float = parameter("1", 0.02, low=0.0, description="slips", source=_KNOWN)
-    friction_limit: float = parameter("1", 0.3, low=0.0, description="friction limits", source=_KNOWN)
-    friction_limit_rate: float = parameter("1/s", 0.1, low=0.0, description="their rates", source=_KNOWN)
+    speed: float = parameter("m/s", 0.5, low=0.0, description="speed", source=_TABLE)
+    wheel_speed: float = parameter("rad/s", 0.2, low=0.0, description="wheel speeds", source=_TABLE)
+    slip: float = parameter("1", 0.02, low=0.0, description="slips", source=_TABLE)
+    friction_limit: float = parameter("1", 0.3, low=0.0, description="friction limits", source=_TABLE)
+    friction_limit_rate: float = parameter("1/s", 0.1, low=0.0, description="their rates", source=_TABLE)
 
 
 class FrictionSettings(FileModel):
     """Settings that the extended and the unscented friction filter share."""
 
     torque_mode: Literal["known", "z1", "z2"] = Field(
-        "known",
+        default="known",
         description="known: torques from brake pressures and powertrain; z1: torques set to zero as published; "
         "z2: torques dropped, wheel speeds and slips as random walks",
     )
     slip_rate_sign: Literal[1, -1] = Field(
-        1, description="sign of R eta / v in the slip rate: 1 correct, -1 as printed in eq. 98"
+        default=1, description="sign of R eta / v in the slip rate: 1 correct, -1 as printed in eq. 98"
     )
     exact_load_transfer: bool = Field(
-        True, description="drag and rolling resistance count in the load transfer (3.6.3); false: eq. 95 as printed"
+        default=True,
+        description="drag and rolling resistance count in the load transfer (3.6.3); false: eq. 95 as printed",
     )
     brake_torque: Literal["capacity", "actual"] = Field(
-        "capacity",
+        default="capacity",
         description="capacity: a brake stops a wheel but never turns it backwards; actual: taken as the torque itself",
     )
     input_rule: Literal["fresh", "hold"] | None = Field(
-        None,
+        default=None,
         description="fresh: rows 1 to 3 only with samples that are new in this tick; hold: every tick with the last "
         "one; left out: fresh with torque_mode known, else hold",
     )
@@ -77,7 +101,7 @@ class FrictionSettings(FileModel):
     measurement_noise: MeasurementNoise = Field(default_factory=MeasurementNoise, description="measurement noise")
     initial_deviation: InitialDeviation = Field(default_factory=InitialDeviation, description="initial covariance")
     minimum_speed: float | None = parameter(
-        "m/s", None, low=0.5, high=20.0, description="the filter runs above it (1.5 with torques, 3 without)"
+        "m/s", None, low=0.5, high=20.0, description="the filter runs above it; 1.5 with torques, 3 without"
     )
     speed_hysteresis: float = parameter(
         "m/s", 0.2, low=0.0, high=2.0, description="it stops this much below the minimum speed", source="assumed"
@@ -127,15 +151,19 @@ class FrictionSettings(FileModel):
         "1", 0.3, low=0.0, high=1.0, description="share of the limit in use above which it is told", source="3.6.7"
     )
     confidence_time: float = parameter("s", 0.05, low=0.0, description="for at least this time", source="3.6.7")
-    post_filter: Literal["none", "low_pass", "median"] = Field("none", description="filter of the ..._filtered outputs")
+    post_filter: Literal["none", "low_pass", "median"] = Field(
+        default="none", description="filter of the ..._filtered outputs"
+    )
     post_filter_time_constant: float = parameter("s", 0.2, low=1e-3, description="of the low-pass", source="3.6.7")
-    post_filter_window: int = Field(51, ge=3, le=1001, description="samples of the running median (3.6.7)")
+    post_filter_window: int = Field(default=51, ge=3, le=1001, description="samples of the running median (3.6.7)")
 
 
 class FrictionEkfSettings(FrictionSettings):
     """Settings of the extended Kalman filter for friction."""
 
-    prediction_substeps: int = Field(1, ge=1, le=50, description="Euler steps per tick in the prediction (3.6.4)")
+    prediction_substeps: int = Field(
+        default=1, ge=1, le=50, description="Euler steps per tick in the prediction (3.6.4)"
+    )
 
 
 # (torque known, Z1, Z2); Z1 takes the wheel and slip noise of 3.6.9 and the rest of the column "torque unknown"

@@ -45,9 +45,8 @@ def record(request: pytest.FixtureRequest) -> Callable[..., None]:
     def keep(quantity: str, value: float, limit: str, *, id: str = "") -> None:
         if id and id not in ids:
             raise pytest.UsageError(f"{request.node.nodeid} records for {id}, its mark names {', '.join(ids)}")
-        text = f"{value:.4g}" if isinstance(value, float) else str(value)
         for identifier in [id] if id else ids:
-            kept = {"id": identifier, "measured": f"{quantity} = {text}", "limit": f"{quantity}: {limit}"}
+            kept = {"id": identifier, "quantity": quantity, "value": float(value), "limit": f"{quantity}: {limit}"}
             request.node.user_properties.append((_PROPERTY, kept))
 
     return keep
@@ -64,14 +63,13 @@ class _TraceabilityWriter:
         if not self._write or not (report.when == "call" or report.outcome != "passed"):
             return
         node = report.nodeid.split("[")[0]
-        case = report.nodeid[len(node) :]
         for name, kept in report.user_properties:
             if name != _PROPERTY or not isinstance(kept, dict):
                 continue
-            row = self._rows.setdefault((kept["id"], node), {"outcomes": set(), "measured": [], "limit": []})
+            row = self._rows.setdefault((kept["id"], node), {"outcomes": set(), "measured": {}, "limit": []})
             row["outcomes"].add(report.outcome)
-            if "measured" in kept:
-                row["measured"].append(f"{case} {kept['measured']}".strip())
+            if "quantity" in kept:
+                row["measured"].setdefault(kept["quantity"], []).append(kept["value"])
                 if kept["limit"] not in row["limit"]:
                     row["limit"].append(kept["limit"])
 
@@ -109,10 +107,17 @@ def merge(rows: list[dict[str, str]], results: dict[tuple[str, str], dict[str, A
             "id": identifier,
             "source_line": sources[identifier],
             "test_node_id": node,
-            "measured": "; ".join(result["measured"]),
+            "measured": "; ".join(_range(quantity, values) for quantity, values in result["measured"].items()),
             "limit": "; ".join(result["limit"]),
             "verdict": verdict,
         }
         kept = [row for row in by_id[identifier] if row["test_node_id"] not in ("", node)]
         by_id[identifier] = [*kept, updated]
     return [row for identifier in sources for row in sorted(by_id[identifier], key=lambda row: row["test_node_id"])]
+
+
+def _range(quantity: str, values: list[float]) -> str:
+    low, high = min(values), max(values)
+    if low == high:
+        return f"{quantity} = {low:.4g}"
+    return f"{quantity} = {low:.4g} ... {high:.4g} ({len(values)} cases)"

@@ -2,12 +2,14 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import friction_twin as twin
 import numpy as np
 import pytest
 
 import estimators
+from estimators.documentation import estimators_page
 from estimators.post_filter import MEDIAN, memory_size, post_filter
 from signals.catalogue import catalogue
 from signals.errors import InputError
@@ -49,10 +51,10 @@ def test_outputs_have_their_deviation_or_confidence(name):
     known = {signal.name for signal in catalogue()}
     names = {output.name for output in description.outputs}
     assert len(names) == len(description.outputs)
-    for output in description.outputs:
-        if output.references:
-            assert f"{output.name}_std" in names or f"{output.name}_confidence" in names
-            assert set(output.references) <= known
+    for output in description.compared():
+        assert f"{output.name}_std" in names or f"{output.name}_confidence" in names
+        assert set(output.references + output.weights) <= known
+        assert len(output.weights) in (0, len(output.references))
     settings = description.settings()
     assert set(description.inputs(settings)) <= {s.name for s in catalogue() if s.block == "bus"}
 
@@ -65,6 +67,12 @@ def test_descriptions_import_no_compiled_code():
     assert (
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
     )
+
+
+def test_page_of_the_estimators_is_up_to_date():
+    """``python -m estimators.documentation`` writes docs/estimators.md."""
+    page = Path(__file__).resolve().parents[2] / "docs" / "estimators.md"
+    assert page.read_text(encoding="utf-8") == estimators_page()
 
 
 def test_running_median_equals_the_median():
