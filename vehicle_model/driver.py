@@ -9,7 +9,7 @@ from typing import Any
 
 from numba import njit
 
-from vehicle_model.driver_record import ACCELERATE, BRAKE, COAST, HOLD_SPEED
+from vehicle_model.driver_record import ACCELERATE, BRAKE, COAST, HOLD_SPEED, MOST_GEARS
 from vehicle_model.interface import TIME_STEP_S
 from vehicle_model.path_follower import steer
 
@@ -22,6 +22,7 @@ _CLUTCH_OPENING_RATE = 12.5  # 1/s: open within 80 ms
 _BRAKE_RELEASE_RATE = 5000.0  # N/s
 # the clutch begins to open at idle speed and is open at this share of it
 _STALL_SHARE = 0.75
+_LAUNCH_PATIENCE_S = 1.0  # after it the clutch closes although the engine does not rev
 
 
 @njit(cache=True)
@@ -76,7 +77,14 @@ def _begin(c: Any, s: Any, speed: float) -> None:
 
 
 @njit(cache=True)
-def _shift(c: Any, s: Any, speed: float, engine_speed: float) -> None:
+def _revs_for_launch(c: Any, s: Any, speed: float, engine_speed: float, time: float) -> bool:
+    """True while the driver waits with the open clutch for the engine to rev up."""
+    standing = c.feet == ACCELERATE and speed < _STANDSTILL_M_S and s.clutch == 0.0
+    return standing and engine_speed < c.launch_engine_speed and time - s.feet_began < _LAUNCH_PATIENCE_S
+
+
+@njit(cache=True)
+def _shift(c: Any, s: Any, speed: float, engine_speed: float, time: float) -> None:
     """Gear lever and clutch."""
     if s.shift_left <= 0.0:
         wanted = _wanted_gear(c, s, speed, engine_speed)
@@ -92,7 +100,7 @@ def _shift(c: Any, s: Any, speed: float, engine_speed: float) -> None:
             s.gear = s.next_gear
         return
     closed = s.gear > 0 and c.feet != COAST and not (c.feet == BRAKE and c.brake_declutch == 1)
-    target = 1.0 if closed else 0.0
+    target = 1.0 if closed and not _revs_for_launch(c, s, speed, engine_speed, time) else 0.0
     if target > 0.0 and (c.feet != ACCELERATE or speed > _STANDSTILL_M_S):
         above = (engine_speed - _STALL_SHARE * c.idle_speed) / ((1.0 - _STALL_SHARE) * c.idle_speed)
         target = min(max(above, 0.0), 1.0)
@@ -105,7 +113,7 @@ def _accelerator(c: Any, s: Any, speed: float) -> None:
     if s.shift_left > 0.0:
         target = 0.0
     elif c.feet == ACCELERATE:
-        target = c.accelerator
+        target = c.accelerator[min(s.gear, MOST_GEARS)]
     elif c.feet == HOLD_SPEED:
         error = c.speed_target - speed
         unlimited = c.feedforward + c.proportional_gain * error + s.integral
@@ -169,7 +177,7 @@ def driver_step(command: Any, state: Any, values: Any, table: Any, time: float) 
         s.feet_began = time
         s.integral = 0.0
         s.brake_start = s.master_pressure if c.brake_by_pressure == 1 else s.pedal_force
-    _shift(c, s, speed, engine_speed)
+    _shift(c, s, speed, engine_speed, time)
     _accelerator(c, s, speed)
     _brake(c, s, time)
     steer(c, s, values, table, time)

@@ -40,12 +40,13 @@ COMMAND_RECORD = np.dtype(
         ("serial", "i8"),  # changes with every step
         ("feet", "i8"),
         ("feet_serial", "i8"),  # changes with every step that tells the feet something
-        ("accelerator", "f8"),
+        ("accelerator", "f8", (MOST_GEARS + 1,)),  # in each gear
         ("accelerator_rate", "f8"),
         ("gear", "i8"),  # -1 is auto
         ("highest_gear", "i8"),
         ("shift_engine_speed", "f8"),
         ("shift_speed", "f8", (MOST_GEARS + 1,)),  # speed of the car at which each gear is left; 0: by engine speed
+        ("launch_engine_speed", "f8"),
         ("shift_duration", "f8"),
         ("clutch_duration", "f8"),
         ("speed_target", "f8"),

@@ -185,7 +185,11 @@ class Manoeuvre:
 
     def _fill_accelerate(self, action: Accelerate) -> None:
         row, line = self._command[0], self._vehicle.driveline
-        row["accelerator"], row["accelerator_rate"] = action.accelerator, action.accelerator_rate
+        by_gear = (action.accelerator_by_gear or [action.accelerator])[: record.MOST_GEARS]
+        row["accelerator"][0] = by_gear[0]
+        row["accelerator"][1 : len(by_gear) + 1] = by_gear
+        row["accelerator"][len(by_gear) + 1 :] = by_gear[-1]
+        row["accelerator_rate"] = action.accelerator_rate
         row["gear"] = _AUTO if action.gears == "auto" else action.gears
         row["highest_gear"] = action.highest_gear or len(line.gear_ratios)
         wanted = action.shift_up_engine_speed
@@ -194,6 +198,7 @@ class Manoeuvre:
         speeds = action.shift_up_speeds[: record.MOST_GEARS]
         row["shift_speed"][1 : len(speeds) + 1] = speeds
         row["shift_duration"], row["clutch_duration"] = action.shift_duration, action.clutch_duration
+        row["launch_engine_speed"] = action.launch_engine_speed
 
     def _fill_hold_speed(self, action: HoldSpeed) -> None:
         row = self._command[0]

@@ -37,6 +37,11 @@ class Accelerate(FileModel):
     accelerator_rate: float = parameter(
         "1/s", 5.0, low=0.1, high=100.0, description="of the pedal's way", source=_HUMAN
     )
+    accelerator_by_gear: list[float] = Field(
+        default=[],
+        description="pedal in gear 1, 2, …, in place of accelerator; the last holds for higher gears",
+        json_schema_extra={"unit": "1"},
+    )
     gears: Gears = Field(
         default="auto", description="auto shifts up from the gear that is engaged, a number stays in that gear"
     )
@@ -54,16 +59,27 @@ class Accelerate(FileModel):
     shift_duration: float = parameter(
         "s", 0.35, low=0.0, high=3.0, description="accelerator released and clutch open for a shift", source=_HUMAN
     )
+    launch_engine_speed: float = parameter(
+        "rad/s",
+        210.0,
+        low=0.0,
+        high=2000.0,
+        description="at which the clutch begins to close when the car stands",
+        source="assumed: 2000 rpm",
+    )
     clutch_duration: float = parameter(
         "s", 0.4, low=0.01, high=5.0, description="clutch from open to closed, at the start and after a shift"
     )
 
     @model_validator(mode="after")
-    def _rising(self) -> "Accelerate":
+    def _lists(self) -> "Accelerate":
         speeds = self.shift_up_speeds
         for number, (lower, higher) in enumerate(pairwise(speeds), 1):
             if higher <= lower:
                 raise FieldError("not rising", at=("shift_up_speeds", number), allowed=f"more than {lower:g} m/s")
+        for number, pedal in enumerate(self.accelerator_by_gear):
+            if not 0.0 <= pedal <= 1.0:
+                raise FieldError("out of range", at=("accelerator_by_gear", number), allowed="0 to 1")
         return self
 
 

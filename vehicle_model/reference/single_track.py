@@ -1,0 +1,202 @@
+"""The longitudinal single-track car that the friction document defines (2.4 and 2.5), as a plant.
+
+car = SingleTrack(load_vehicle("ekf_car"))
+car.reset(speed_m_s=26.4)
+car.step(1000, brake_torque=1500.0)
+car.state()["speed"]
+
+Both wheels of an axle share the axle's state: inertia and torques are the axle's sums (2.4.3). Rolling resistance is a
+force on the car, C_roll m g cos(gamma) (eq. 27), as in the filter that the document builds on this model.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from signals.errors import unknown_name
+from signals.quantities import FileModel, parameter
+from signals.wheels import WHEELS
+from vehicle_model import parameters
+from vehicle_model.interface import PLANT_OUTPUTS, TIME_STEP_S
+from vehicle_model.parameters import ParameterInfo
+from vehicle_model.reference.axle_scaling import axle_inertia
+from vehicle_model.reference.single_track_record import PARAMETER_RECORD, STATE_RECORD
+from vehicle_model.reference.single_track_step import refresh, single_track_tick
+from vehicle_model.road import RoadTables
+from vehicle_model.road_file import RoadFile
+from vehicle_model.tyres.coefficients import TYRE_SIZE, write_tyre
+from vehicle_model.tyres.kernel import PREPARED_SIZE
+from vehicle_model.vehicle_file import VehicleFile
+
+SECTIONS = ("body", "axles", "wheels", "steering", "aerodynamics", "tyres")
+
+
+class SingleTrackOptions(FileModel):
+    """Numerics of the single-track car."""
+
+    substeps: int = parameter("1", 10, low=5, high=1000, description="integration steps per millisecond")
+
+
+class SingleTrack:
+    """Longitudinal single-track car (see ``vehicle_model.interface.Plant`` for what every plant offers).
+
+    Parameters
+    ----------
+    vehicle : VehicleFile
+        As ``load_vehicle`` gives it; a copy is kept.
+    road : RoadFile, optional
+        Level and dry if left out; a copy is kept.
+    substeps : int
+        Integration steps per millisecond, at least 5 (friction document 1.8).
+
+    Raises
+    ------
+    InputError
+        If the road names an unknown surface.
+    """
+
+    time_step_s = TIME_STEP_S
+
+    def __init__(self, vehicle: VehicleFile, road: RoadFile | None = None, *, substeps: int = 10) -> None:
+        self._vehicle = vehicle.model_copy(deep=True)
+        self._options = SingleTrackOptions(substeps=substeps)
+        self._road = RoadTables(road or RoadFile())
+        self._parameters: NDArray[np.void] = np.zeros(1, PARAMETER_RECORD)
+        self._state: NDArray[np.void] = np.zeros(1, STATE_RECORD)
+        self._tyres = np.zeros((4, TYRE_SIZE))
+        self._prepared = np.zeros((4, PREPARED_SIZE))
+        self._brake, self._drive = np.zeros(4), np.zeros(4)
+        self._time_s = 0.0
+        self.outputs: NDArray[np.float64] = np.zeros(len(PLANT_OUTPUTS))
+        self._fill()
+        self._take_memory()
+        self.reset(speed_m_s=0.0)
+
+    def _take_memory(self) -> None:
+        road = self._road
+        self._memory = (
+            self._parameters,
+            self._state,
+            self._tyres,
+            self._prepared,
+            road.record,
+            road.jumps,
+            road.patches,
+            road.points,
+            road.surfaces,
+            self.outputs,
+        )
+
+    def bind(self, view: NDArray[np.float64]) -> None:
+        """Write the outputs into ``view`` (block "plant" of a signal vector) from now on."""
+        if view.shape != self.outputs.shape or view.dtype != np.float64:
+            raise ValueError(f"found a view of shape {view.shape}, allowed: {len(PLANT_OUTPUTS)} float64")
+        view[:] = self.outputs
+        self.outputs = view
+        self._take_memory()
+
+    def reset(
+        self,
+        *,
+        speed_m_s: float,
+        position_x_m: float = 0.0,
+        position_y_m: float = 0.0,
+        yaw_angle_rad: float = 0.0,
+        time_s: float = 0.0,
+    ) -> None:
+        """Rest loads, moving at ``speed_m_s`` along the heading with freely rolling wheels."""
+        self._state[:] = np.zeros(1, STATE_RECORD)
+        s, p = self._state[0], self._parameters[0]
+        s["speed"], s["x"], s["y"], s["yaw"] = speed_m_s, position_x_m, position_y_m, yaw_angle_rad
+        s["omega"] = speed_m_s / p["radius"]
+        self._time_s = time_s
+        self.outputs[:] = 0.0
+        self._drive[:] = 0.0
+        refresh(*self._memory, self._drive, time_s)
+
+    def tick(
+        self, brake_torque: NDArray[np.float64], drive_torque: NDArray[np.float64], steer: float, time_s: float
+    ) -> None:
+        """Advance by 1 ms (see ``vehicle_model.interface.Plant.tick``); the steering-wheel angle has no effect."""
+        single_track_tick(*self._memory, brake_torque, drive_torque, time_s)
+
+    def step(self, n: int, *, brake_torque: ArrayLike = 0.0, drive_torque: ArrayLike = 0.0, steer: float = 0.0) -> None:
+        """Advance by ``n`` milliseconds with constant inputs; torques are one number or one per wheel [N m]."""
+        self._brake[:] = brake_torque
+        self._drive[:] = drive_torque
+        for _ in range(n):
+            self.tick(self._brake, self._drive, steer, self._time_s)
+            self._time_s += TIME_STEP_S
+
+    def names(self) -> tuple[str, ...]:
+        """Dotted paths of every parameter, the road's as ``road.…``, the numerics' as ``plant.…``."""
+        return tuple(info.path for info in self._infos())
+
+    def parameter_table(self) -> list[ParameterInfo]:
+        """Every parameter with unit, value, range and neutral value."""
+        return list(self._infos())
+
+    def _infos(self) -> Iterator[ParameterInfo]:
+        for section in SECTIONS:
+            yield from parameters.parameter_infos(getattr(self._vehicle, section), f"{section}.", self._vehicle.sources)
+        yield from parameters.parameter_infos(self._road.road, "road.")
+        yield from parameters.parameter_infos(self._options, "plant.")
+
+    def _owner(self, path: str) -> tuple[Any, str]:
+        section = path.partition(".")[0]
+        if section == "road":
+            return self._road.road, "road."
+        if section == "plant":
+            return self._options, "plant."
+        if section in SECTIONS:
+            return getattr(self._vehicle, section), f"{section}."
+        raise unknown_name("section of the plant", section, (*SECTIONS, "road", "plant"))
+
+    def get(self, path: str) -> float:
+        """Value of a parameter in SI units; InputError if there is none of that path."""
+        model, prefix = self._owner(path)
+        return parameters.get_parameter(model, path, prefix)
+
+    def set(self, path: str, value: float) -> None:
+        """Change a parameter from the next tick on; InputError if there is none or the value is refused."""
+        if path.startswith("road."):
+            self._road.set(path, value)
+            return
+        model, prefix = self._owner(path)
+        parameters.set_parameter(model, path, value, prefix)
+        self._fill()
+
+    def state(self) -> dict[str, float]:
+        """Outputs of the last tick by name."""
+        return dict(zip(PLANT_OUTPUTS, self.outputs.tolist(), strict=True))
+
+    def energy_account(self) -> dict[str, float]:
+        """Energies since the reset [J]: what brakes, tyres, rolling and air took, and what the drive gave."""
+        kinds = ("brake_energy", "tyre_energy", "rolling_energy", "air_energy", "drive_energy")
+        return {kind: float(self._state[kind][0]) for kind in kinds}
+
+    def _fill(self) -> None:
+        vehicle, p = self._vehicle, self._parameters[0]
+        body, air = vehicle.body, vehicle.aerodynamics
+        wheels = [getattr(vehicle.wheels, name) for name in WHEELS]
+        p["substeps"] = self._options.substeps
+        p["mass"], p["wheelbase"] = body.mass, body.wheelbase
+        p["to_front"], p["height"] = body.centre_of_gravity_to_front_axle, body.centre_of_gravity_height
+        p["drag"] = 0.5 * air.air_density * air.drag_coefficient * air.frontal_area
+        p["drag_height"] = air.drag_height
+        p["rolling"] = sum(wheel.rolling_resistance for wheel in wheels) / 4.0
+        p["half_track"] = 0.5 * vehicle.axles.front.track, 0.5 * vehicle.axles.rear.track
+        p["friction_factor"] = [wheel.friction_factor for wheel in wheels]
+        pair = vehicle.tyre_pair
+        for axle, tyre in enumerate((pair.front, pair.rear)):
+            left, right = wheels[2 * axle], wheels[2 * axle + 1]
+            p["radius"][axle] = 0.5 * (left.radius + right.radius)
+            p["inertia"][axle] = axle_inertia(left.inertia, right.inertia)
+            contact = tyre.contact
+            p["contact_stiffness"][axle] = 2.0 * contact.longitudinal_stiffness
+            p["contact_damping"][axle] = 2.0 * contact.damping
+            p["full_below"][axle], p["none_above"][axle] = contact.full_below, contact.none_above
+            for row in self._tyres[2 * axle : 2 * axle + 2]:
+                write_tyre(tyre, row)
