@@ -1,12 +1,15 @@
-"""``python -m bench.recording.convert FOLDER``: make ``signals.mf4`` from what a run has recorded.
+"""``python -m bench.recording.convert FOLDER PARENT``: make ``signals.mf4`` from what a run has recorded.
 
 A process of its own, because the MF4 library takes long to import and much memory, and because an MF4 writer keeps
 nothing when it is killed.
 """
 
+import os
+import signal
 import sys
 from pathlib import Path
 
+from bench.loop.scheduling import die_with_parent
 from bench.recording.mf4_file import write_mf4
 from bench.recording.run_folder import MF4_FILE, read_state
 from bench.recording.stored_rows import StoredRun, read_stored
@@ -36,7 +39,11 @@ def convert(folder: Path, stored: StoredRun | None = None) -> int:
 
 
 def main() -> int:
-    """Entry point of the converter process."""
+    """Entry point of the converter process: ``FOLDER PARENT``."""
+    # killed with its parent, so that it never writes beside a recovery of the same folder
+    die_with_parent(signal.SIGKILL)
+    if os.getppid() != int(sys.argv[2]):
+        return 4
     try:
         convert(Path(sys.argv[1]))
     except BenchError as error:

@@ -78,7 +78,7 @@ class Recording(RunArrays):
         values = [block for _, _, block in stored.rows]
         matrix = np.concatenate(values) if values else np.zeros((0, len(schema.signals)))
         information = schema.information | {"start_time_ns": schema.start_time_ns}
-        arrays = cls.from_matrix(matrix, schema.signals, phase_names=schema.phase_names, information=information)
+        arrays = RunArrays.from_matrix(matrix, schema.signals, phase_names=schema.phase_names, information=information)
         return cls(path, folder, arrays, stored.frames)
 
     @cached_property

@@ -83,7 +83,7 @@ def recover(folder: str | Path) -> Recovery:
         if (folder / "verdict.json").is_file():
             return Recovery(folder, already_finished=True)
         raise InputError(f"{folder}: not the folder of a run (no run.json, no verdict.json)")
-    if state.owner_is_alive:
+    if state.state in (RUNNING, ENDED) and state.owner_is_alive:
         raise InputError(f"{folder}: the run is still on (process {state.pid})", mend="end it first")
     ring = Path(state.ring) if state.ring else None
     stored = read_stored(folder, ring)

@@ -26,6 +26,7 @@ from bench.recording.run_folder import (
     ENDED,
     LOG_FILE,
     MF4_FILE,
+    RESERVE_FILE,
     RunState,
     append_log,
     create_run_folder,
@@ -166,13 +167,16 @@ class RecordingSession:
             write_state(self.folder, self._state)
             problem = self._convert(cores) if convert else ""
         if problem:
+            (self.folder / RESERVE_FILE).unlink(missing_ok=True)
             append_log(self.folder, f"error: {problem}")
         self._outcome = RecordingOutcome(**self.writer.statistics(), problem=problem)
         return self._outcome
 
     def _convert(self, cores: CorePlan | None) -> str:
         with _on(cores), (self.folder / LOG_FILE).open("ab") as log:
-            converter = start_module("converter", "bench.recording.convert", [str(self.folder)], log=log)
+            converter = start_module(
+                "converter", "bench.recording.convert", [str(self.folder), str(os.getpid())], log=log
+            )
         exit_code = converter.wait(CONVERT_TIMEOUT_S)
         if exit_code is None:
             converter.stop()

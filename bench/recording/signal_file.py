@@ -36,17 +36,20 @@ class SignalFile:
         self._channel = self._writer.register_channel("signals", "bench-signal-rows", layout)
         self._tick_ns = tick_ns
         self._rows_per_chunk = max(1, (CHUNK_BYTES - 256) // (8 * (len(schema.signals) + 1)))
+        # the schema stands in the first chunk: written with no row, it is on its way before the first
+        self._add(0, np.zeros(0, np.int64), np.zeros((0, len(schema.signals))))
         self._file.flush()
 
     def write(self, first: int, ticks: NDArray[np.int64], values: NDArray[np.float64]) -> None:
         """Write consecutive rows, the first of which has number ``first``."""
         for begin in range(0, len(ticks), self._rows_per_chunk):
             end = min(begin + self._rows_per_chunk, len(ticks))
-            data = b"".join(
-                (_HEAD.pack(first + begin, end - begin), ticks[begin:end].tobytes(), values[begin:end].tobytes())
-            )
-            time_ns = int(ticks[begin]) * self._tick_ns
-            self._writer.add_message(self._channel, time_ns, data, time_ns)
+            self._add(first + begin, ticks[begin:end], values[begin:end])
+
+    def _add(self, first: int, ticks: NDArray[np.int64], values: NDArray[np.float64]) -> None:
+        data = b"".join((_HEAD.pack(first, len(ticks)), ticks.tobytes(), values.tobytes()))
+        time_ns = int(ticks[0]) * self._tick_ns if len(ticks) else 0
+        self._writer.add_message(self._channel, time_ns, data, time_ns)
 
     def flush(self) -> None:
         """Hand everything to the operating system, where it outlives this process."""
@@ -77,7 +80,8 @@ def read_signal_file(path: Path) -> tuple[RunSchema | None, Iterator[Rows]]:
     for record in records:
         if isinstance(record, Schema):
             schema = RunSchema.from_json(record.data)
-            return schema, (_rows(r.data, len(schema.signals)) for r in records if isinstance(r, Message))
+            blocks = (_rows(r.data, len(schema.signals)) for r in records if isinstance(r, Message))
+            return schema, (block for block in blocks if len(block[1]))
     return None, iter(())
 
 

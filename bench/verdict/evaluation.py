@@ -16,7 +16,7 @@ from bench.recording.arrays import RunArrays
 from bench.verdict.assessment import Assessment, NoValueError
 from bench.verdict.expression import ExpressionError, ExpressionProblem, dotted_name, named_argument
 from bench.verdict.functions import IMPLEMENTATIONS, Rows
-from bench.verdict.truth import truth_signals
+from bench.verdict.truth import truth_of
 from bench.verdict.vocabulary import CONSTANTS, FUNCTIONS, METRICS
 
 Value = float | bool | NDArray[Any]
@@ -46,6 +46,8 @@ def evaluate_tree(tree: ast.expr, text: str, data: Assessment | RunArrays, windo
         rows = assessment.window(window)
     except KeyError:
         raise ExpressionError(text, [ExpressionProblem(0, f"no phase {window!r}")]) from None
+    if rows.stop <= rows.start:
+        raise NoValueError("the recording has no row here")
     with np.errstate(all="ignore"):
         return _simple(_Evaluation(assessment, rows, text).value(tree))
 
@@ -165,7 +167,7 @@ class _Evaluation:
 
         if name not in self.assessment.data:
             raise self.problem(node, f"the recording has no estimate {name!r}")
-        if not truth_signals(name):
+        if truth_of(name) is None:
             raise self.problem(node, f"the simulated car has no true value for {name!r}")
         truth = metrics.truth(self.assessment, name)
         if function == "truth":

@@ -256,12 +256,12 @@ def _name_problem(
 
 
 def _estimate_problem(name: str, column: int, known: Collection[str]) -> ExpressionProblem | None:
-    from bench.verdict.truth import truth_signals
+    from bench.verdict.truth import truth_of
 
     estimates = [known_name for known_name in known if "." in known_name]
     if name not in known:
         return ExpressionProblem(column, f"no estimate {name!r}{nearest(name, estimates)}")
-    if not truth_signals(name):
+    if truth_of(name) is None:
         return ExpressionProblem(column, f"the simulated car has no true value for {name!r}; write it: rmse({name}, …)")
     return None
 

@@ -9,7 +9,7 @@ from bench.recording.arrays import RunArrays
 from bench.verdict.assessment import Assessment, NoValueError
 from bench.verdict.criteria_file import Criterion, PreparedCriterion, ValidIf, prepare
 from bench.verdict.expression import ExpressionError, evaluate
-from bench.verdict.result import FAIL, INCONCLUSIVE, PASS, CriterionResult, Verdict
+from bench.verdict.result import ERROR, FAIL, INCONCLUSIVE, PASS, CriterionResult, Verdict
 from bench.verdict.summary import estimator_summary, metric_summary
 from bench.verdict.vocabulary import METRICS
 
@@ -76,7 +76,9 @@ def _judge_one(run: Assessment, prepared: PreparedCriterion, common: Sequence[Va
         _take_value(run, prepared, result)
     except NoValueError as error:
         result.reason = str(error)
-    if result.verdict != INCONCLUSIVE:
+    except ExpressionError as error:
+        result.verdict, result.reason = ERROR, str(error)
+    if result.verdict in (PASS, FAIL):
         invalid = _invalid(run, [*common, *criterion.valid_if])
         if invalid:
             result.verdict, result.reason = INCONCLUSIVE, invalid
@@ -122,7 +124,7 @@ def _invalid(run: Assessment, conditions: Sequence[ValidIf]) -> str:
     for condition in conditions:
         try:
             holds = bool(np.all(evaluate(condition.expression, run, condition.phase)))
-        except NoValueError as error:
+        except (NoValueError, ExpressionError) as error:
             return f"{condition.reason or condition.expression}: {error}"
         if not holds:
             return condition.reason or f"{condition.expression} does not hold"
@@ -141,6 +143,3 @@ def _place(criteria: Sequence[Criterion], path: tuple[str | int, ...]) -> str:
     head, *rest = path
     name = criteria[head].id if isinstance(head, int) else head
     return ".".join([str(name), *(str(part) for part in rest)])
-
-
-__all__ = ["ExpressionError", "judge", "missing_signals"]

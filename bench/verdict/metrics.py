@@ -9,7 +9,7 @@ import numpy as np
 from bench.recording.arrays import FloatArray
 from bench.verdict.assessment import Assessment, NoValueError
 from bench.verdict.functions import Rows, longest
-from bench.verdict.truth import truth_signals
+from bench.verdict.truth import truth_of
 
 ONSET_SHARE = 0.1
 FRICTION_JUMP = 0.1
@@ -257,8 +257,17 @@ def friction_jump_time(run: Assessment) -> float:
 
 def truth(run: Assessment, estimate: str) -> FloatArray:
     """True value of an estimate in every row, shape (n,)."""
-    signals = [run.signal(name) for name in truth_signals(estimate)]
-    return signals[0] if len(signals) == 1 else np.mean(signals, axis=0)
+    compared = truth_of(estimate)
+    if compared is None:
+        raise NoValueError(f"the simulated car has no true value of {estimate}")
+    signals = np.array([run.signal(name) for name in compared.signals])
+    if not compared.weights:
+        return signals[0] if len(signals) == 1 else signals.mean(axis=0)
+    weights = np.array([run.signal(name) for name in compared.weights])
+    # at rest on lifted wheels the weights may all be zero; the plain mean stands in
+    total = weights.sum(axis=0)
+    weights[:, total == 0] = 1.0
+    return np.average(signals, axis=0, weights=weights)
 
 
 def estimator_error(run: Assessment, estimate: str, rows: slice) -> float:

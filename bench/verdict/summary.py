@@ -4,7 +4,7 @@ from typing import Any
 
 from bench.verdict import metrics
 from bench.verdict.assessment import Assessment, NoValueError
-from bench.verdict.truth import truth_signals
+from bench.verdict.truth import truth_of
 from bench.verdict.vocabulary import METRICS
 
 # metric -> key with its unit, in the order of the file
@@ -51,13 +51,15 @@ def estimator_summary(run: Assessment) -> dict[str, dict[str, Any]]:
     not settle.
     """
     summary: dict[str, dict[str, Any]] = {}
+    if len(run.time) == 0:
+        return summary
     try:
         rows, phase = run.window("braking"), "braking"
     except NoValueError:
         rows, phase = run.window("run"), "run"
     for name in run.data.names:
         estimator, dot, output = name.partition(".")
-        if not dot or not truth_signals(name):
+        if not dot or truth_of(name) is None:
             continue
         entry = summary.setdefault(estimator, {"rmse": {}, "settling_s": None, "settling": {}, "phase": phase})
         try:

@@ -1,20 +1,34 @@
 """Signals of the simulated car that an estimate is compared with, as the estimators' descriptions name them."""
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 
-@lru_cache(maxsize=256)
-def truth_signals(estimate: str) -> tuple[str, ...]:
-    """Signals whose mean is the true value of ``<estimator>.<output>``; empty if there is none.
+@dataclass(frozen=True)
+class Truth:
+    """True value of an estimate: mean of signals, weighted by others if there are any.
 
-    The front slip of an axle filter is compared with the mean of the two front wheels' slip.
+    The front slip of an axle filter is compared with the mean of the two front wheels' slip, the friction limit of the
+    whole car with the mean of the wheels' limits weighted by their loads.
     """
+
+    signals: tuple[str, ...]
+    weights: tuple[str, ...]
+
+
+@lru_cache(maxsize=256)
+def truth_of(estimate: str) -> Truth | None:
+    """What ``<estimator>.<output>`` is compared with; None if the simulated car has no true value of it."""
+    from bench.scenario.estimator_names import kind_of
     from estimators import describe
     from signals.errors import InputError
 
-    name, _, _ = estimate.partition(".")
+    name, _, output_name = estimate.partition(".")
     try:
-        references = describe(name).references()
+        compared = describe(kind_of(name)).compared()
     except InputError:
-        return ()
-    return references.get(estimate, ())
+        return None
+    for output in compared:
+        if output.name == output_name:
+            return Truth(output.references, output.weights)
+    return None

@@ -38,6 +38,7 @@ def stop(**columns) -> RunArrays:
         values[f"friction_limit_{wheel}"] = np.ones_like(time)
     for wheel in ("fl", "fr", "rl", "rr"):
         values[f"ecu_phase_{wheel}"] = np.zeros_like(time)
+        values[f"vertical_load_{wheel}"] = np.full_like(time, 4000.0)
     values |= {name: function(time) for name, function in columns.items()}
     units = {signal.name: signal.unit for signal in catalogue()}
     units |= {name: "1" for name in values if name not in units}

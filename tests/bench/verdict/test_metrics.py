@@ -232,3 +232,16 @@ def test_every_metric_has_a_value_or_a_reason(run: Assessment) -> None:
         except NoValueError:
             continue
         assert np.shape(value) == ((4,) if metric.per_wheel else ()), name
+
+
+def test_truth_of_an_axle_is_weighted_by_the_wheels_loads() -> None:
+    data = stop(
+        friction_limit_fl=lambda t: np.full_like(t, 0.8),
+        friction_limit_fr=lambda t: np.full_like(t, 0.2),
+        vertical_load_fl=lambda t: np.full_like(t, 3000.0),
+        vertical_load_fr=lambda t: np.full_like(t, 1000.0),
+        **{"friction_ekf.friction_limit_front": lambda t: np.full_like(t, 0.5)},
+    )
+    from bench.verdict.metrics import truth
+
+    assert truth(Assessment(data), "friction_ekf.friction_limit_front") == pytest.approx(0.65)
