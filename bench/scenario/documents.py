@@ -163,7 +163,9 @@ def apply_sets(document: Document, sets: Sets, fields: Sequence[str]) -> None:
     for text, value in parse_sets(sets).items():
         parts = [part for part in re.split(r"[.\[\]]+", text) if part]
         place = Place(f"--set {text}={value}", 0, 0)
-        if parts[0] in _PARAMETERS and len(parts) > 1:
+        if parts[0] == "road" and len(parts) > 1 and isinstance(document.data.get("road", {}), dict):
+            _put(document, _path_in(document, parts), value, place)
+        elif parts[0] in _PARAMETERS and len(parts) > 1:
             _put(document, ("overrides", ".".join(parts)), value, place)
         elif parts[0] == "overrides" and len(parts) > 1:
             _put(document, ("overrides", ".".join(parts[1:])), value, place)
