@@ -209,3 +209,13 @@ class Receiver:
     def rejected_frames(self) -> int:
         """Frames of a known identifier that were refused, for whatever reason."""
         return int(self._tables.messages[:, (CRC_ERRORS, REPEATED, WRONG_SEQUENCE, WRONG_LENGTH)].sum())
+
+    @property
+    def messages(self) -> NDArray[np.int64]:
+        """Live table of the messages listened to, columns of ``bench.codec.tables``; not to be written."""
+        return self._tables.messages
+
+    def row_of(self, signal: str) -> int:
+        """Row in ``messages`` of the message that carries a signal, −1 if none does."""
+        rows = (n for n, c in enumerate(self._carriers) if any(carried.name == signal for carried in c.carried))
+        return next(rows, -1)

@@ -1,0 +1,169 @@
+"""``bench ecu``: the emulated ABS ECU as a process of its own, in real time or in lock-step with a bench.
+
+Exit codes: 0 the bench ended the run or SIGTERM came, 2 bad usage or a bad file, 4 the link or the barrier failed,
+130 interrupted. The process ends with its parent.
+"""
+
+import argparse
+import os
+import signal
+import sys
+import time
+from collections.abc import Sequence
+from types import FrameType
+from typing import TYPE_CHECKING, NoReturn
+
+from bench.ecu.calibration import CALIBRATIONS
+from bench.ecu.records import TASK_OFFSET_TICKS
+from bench.loop.scheduling import CorePlan, die_with_parent, real_time_process
+from signals.errors import BenchError, InputError
+
+if TYPE_CHECKING:
+    from bench.ecu.node import EcuNode
+    from bench.links.barrier import BarrierClient
+    from bench.links.interface import Link
+
+TICK_S = 1e-3
+MOST_FRAMES = 4096
+MOST_ANSWERS = 64
+INTERRUPTED = 130
+OK = 0
+
+
+class Stopped(Exception):
+    """SIGTERM came."""
+
+
+def _stop(number: int, frame: FrameType | None) -> NoReturn:
+    raise Stopped
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="bench ecu", description="The emulated ABS ECU alone, on any link.")
+    parser.add_argument("--link", help="virtual, udp, socketcan:vcan0, slcan:/dev/ttyUSB0@500000, IFACE:CHANNEL")
+    parser.add_argument("--calibration", default="sensitive", help=f"{', '.join(CALIBRATIONS)}, or a file")
+    parser.add_argument("--dbc", help="CAN database (default: the shipped one)")
+    parser.add_argument("--mapping", help="mapping file of a database with other names")
+    parser.add_argument("--barrier", help="socket of a bench in lock-step")
+    parser.add_argument("--core", type=int, help="processor core to stay on")
+    parser.add_argument("--silent", action="store_true", help="listen but answer nothing")
+    return parser
+
+
+def run_in_lockstep(node: "EcuNode", link: "Link", barrier: "BarrierClient") -> None:
+    """Run the ticks that the bench begins until it ends the run."""
+    from bench.links.frame import new_frames
+
+    received, answers = new_frames(MOST_FRAMES), new_frames(MOST_ANSWERS)
+    while (begun := barrier.begin(link, received)) is not None:
+        tick, count = begun
+        sent = node.tick(tick, received, count, answers)
+        link.send(answers, sent)
+        barrier.finish(answers, sent)
+
+
+def run_in_real_time(node: "EcuNode", link: "Link") -> NoReturn:
+    """Own clock, a tick each millisecond; a frame that arrives earlier is taken in at the next tick."""
+    from bench.links.frame import new_frames
+
+    received, answers = new_frames(MOST_FRAMES), new_frames(MOST_ANSWERS)
+    start, tick = time.perf_counter(), 0
+    while True:
+        ahead = start + tick * TICK_S - time.perf_counter()
+        if ahead > 0:
+            time.sleep(ahead)
+        count = link.receive(received)
+        sent = node.tick(tick, received, count, answers)
+        if sent:
+            link.send(answers, sent)
+        # after a stall time goes on from now: an ECU does not make up for tasks that it missed
+        tick = max(tick + 1, int((time.perf_counter() - start) / TICK_S))
+
+
+def serve(
+    link: str | None = None,
+    calibration: str = "sensitive",
+    *,
+    dbc: str | None = None,
+    mapping: str | None = None,
+    barrier: str | None = None,
+    core: int | None = None,
+    silent: bool = False,
+) -> None:
+    """Be the ECU on a link until the bench or a signal ends it.
+
+    Parameters
+    ----------
+    link
+        Text of the link, the machine's default without one.
+    calibration
+        Name or file.
+    dbc, mapping
+        Database and mapping file of the bus.
+    barrier
+        Socket of a bench in lock-step; without it the ECU runs in real time.
+    core
+        Processor core to stay on.
+    silent
+        Listen but answer nothing.
+
+    Raises
+    ------
+    BenchError
+        If a file is bad, the link cannot be opened, or link or barrier are lost.
+    """
+    from bench.codec.codec import Codec
+    from bench.ecu.node import EcuNode
+    from bench.links.barrier import BarrierClient
+    from bench.links.frame import new_frames
+    from bench.links.registry import default_link_text, open_link
+
+    cores = _pin(core)
+    codec = Codec.load(dbc, mapping)
+    node = EcuNode(calibration, codec, silent=silent)
+    # a node of its own compiles, or loads from disk, what a tick calls, before time counts
+    EcuNode(calibration, codec).tick(TASK_OFFSET_TICKS, new_frames(1), 0, new_frames(MOST_ANSWERS))
+    text = link or default_link_text()
+    if text == "virtual":
+        raise InputError("link virtual does not leave its process", mend="use --link udp, or bench run --ecu inprocess")
+    with open_link(text, role="ecu") as opened:
+        if barrier is None:
+            with real_time_process(CorePlan(cores, cores)):
+                run_in_real_time(node, opened)
+        client = BarrierClient(barrier)
+        try:
+            run_in_lockstep(node, opened, client)
+        finally:
+            client.close()
+
+
+def _pin(core: int | None) -> frozenset[int]:
+    """Stay on a core; returns the cores that the process may use."""
+    allowed = os.sched_getaffinity(0)
+    if core is None:
+        return frozenset(allowed)
+    if core not in allowed:
+        raise InputError(f"--core {core}: no such core", allowed=", ".join(str(number) for number in sorted(allowed)))
+    os.sched_setaffinity(0, {core})
+    return frozenset({core})
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Entry point of ``bench ecu``; returns the exit code."""
+    arguments = _parser().parse_args(argv)
+    die_with_parent(signal.SIGTERM)
+    signal.signal(signal.SIGTERM, _stop)
+    try:
+        serve(**vars(arguments))
+    except BenchError as error:
+        print(f"bench ecu: {error}", file=sys.stderr)
+        return error.exit_code
+    except Stopped:
+        return OK
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    return OK
+
+
+if __name__ == "__main__":
+    sys.exit(main())
