@@ -36,7 +36,7 @@ SECTIONS = ("body", "axles", "wheels", "steering", "aerodynamics", "tyres")
 class SingleTrackOptions(FileModel):
     """Numerics of the single-track car."""
 
-    substeps: int = parameter("1", 10, low=5, high=1000, description="integration steps per millisecond")
+    substeps: int = parameter("1", 5, low=5, high=1000, description="integration steps per millisecond")
 
 
 class SingleTrack:
@@ -59,7 +59,7 @@ class SingleTrack:
 
     time_step_s = TIME_STEP_S
 
-    def __init__(self, vehicle: VehicleFile, road: RoadFile | None = None, *, substeps: int = 10) -> None:
+    def __init__(self, vehicle: VehicleFile, road: RoadFile | None = None, *, substeps: int = 5) -> None:
         self._vehicle = vehicle.model_copy(deep=True)
         self._options = SingleTrackOptions(substeps=substeps)
         self._road = RoadTables(road or RoadFile())

@@ -12,8 +12,8 @@ from typing import Any
 from numba import njit
 
 from vehicle_model.interface import TIME_STEP_S
-from vehicle_model.reference.single_track_record import FRONT, REAR
 from vehicle_model.reference.single_track_outputs import write_outputs
+from vehicle_model.reference.single_track_record import FRONT, REAR
 from vehicle_model.road import friction_at, slopes_at
 from vehicle_model.tyres.kernel import PEAK_FORCE_X, PEAK_SLIP_X, STIFFNESS_X, evaluate, prepare
 
@@ -94,21 +94,41 @@ def _friction(p: Any, s: Any, axle: int, prepared: Any, h: float) -> None:
 
 
 @njit(cache=True)
+def _spin(
+    inertia: float, omega: float, brake: float, drive: float, tyre: float, slope: float, h: float
+) -> tuple[float, float]:
+    """Speed of an axle after a sub-step and the torque that its brake took, at most its capacity ``brake``.
+
+    Parameters
+    ----------
+    tyre, slope : N m, N m s/rad
+        Torque of the tyres against the drive, and its slope by the speed.
+    """
+    momentum = inertia * omega + h * (drive - tyre + slope * omega)
+    if abs(momentum) <= h * brake:
+        return 0.0, momentum / h
+    taken = brake if momentum > 0.0 else -brake
+    return (momentum - h * taken) / (inertia + h * slope), taken
+
+
+@njit(cache=True)
 def _turn_axle(p: Any, s: Any, axle: int, brake: float, drive: float, h: float) -> None:
     """Spin of an axle over a sub-step; the friction coefficient becomes that of the implicit step.
 
     Source: friction document 2.4.1, dw/dt = (M - sgn(w) M_b - F_x R)/Theta with the axle's values (2.4.3).
     """
-    omega, radius, inertia = s.omega[axle], p.radius[axle], p.inertia[axle]
+    omega, radius = s.omega[axle], p.radius[axle]
     load = s.load[axle]
-    slope = s.slope[axle] * load
-    momentum = inertia * omega + h * (drive - s.friction[axle] * load * radius + radius * slope * omega)
-    if abs(momentum) <= h * brake:
-        turned, friction_torque = 0.0, momentum / h
-    else:
-        friction_torque = brake if momentum > 0.0 else -brake
-        turned = (momentum - h * friction_torque) / (inertia + h * radius * slope)
-    s.friction[axle] += s.slope[axle] * (turned - omega)
+    friction, slope = s.friction[axle], s.slope[axle]
+    arm = load * radius
+    turned, friction_torque = _spin(p.inertia[axle], omega, brake, drive, friction * arm, slope * arm, h)
+    friction += slope * (turned - omega)
+    limit = 0.5 * (s.friction_limit[2 * axle] + s.friction_limit[2 * axle + 1])
+    if abs(friction) > limit:
+        # the tangent of the curve leads beyond its peak
+        friction = limit if friction > 0.0 else -limit
+        turned, friction_torque = _spin(p.inertia[axle], omega, brake, drive, friction * arm, 0.0, h)
+    s.friction[axle] = friction
     mean = 0.5 * (omega + turned)
     s.omega[axle] = turned
     s.mean_brake[axle] += friction_torque
@@ -121,6 +141,7 @@ def _turn_axle(p: Any, s: Any, axle: int, brake: float, drive: float, h: float) 
         carried = s.friction[axle]
     else:
         carried = s.bristle_friction[axle] + s.bristle_slope[axle] * radius * (turned - omega)
+        carried = min(max(carried, -limit), limit)
     s.bristle[axle] = (carried * load - p.contact_damping[axle] * slide) / p.contact_stiffness[axle]
 
 
