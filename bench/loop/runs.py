@@ -20,7 +20,7 @@ from bench.loop.timing import summarise
 from bench.loop.versions import versions
 from bench.loop.warm_up import warm_up
 from bench.recording.arrays import RunArrays
-from bench.recording.run_folder import append_log
+from bench.recording.run_folder import FileChoice, append_log
 from bench.recording.schema import RunSchema
 from bench.recording.session import RecordingSession
 from bench.scenario import dump
@@ -170,7 +170,7 @@ class _RecordedRun:
             scenario=scenario.id,
             scenario_text=dump(scenario),
             flow_control=not realtime,
-            asc=scenario.recording.asc,
+            files=_files(scenario),
             cores=self._cores,
             information=information,
         )
@@ -251,6 +251,11 @@ class _RecordedRun:
         except Exception as error:
             self._log_traceback(error)
             self._say(f"the report could not be made ({error}); see {self._folder / 'log.txt'}")
+
+
+def _files(scenario: ScenarioFile) -> FileChoice:
+    wanted = scenario.recording
+    return FileChoice(wanted.mf4, wanted.blf, wanted.asc, tuple(wanted.signals))
 
 
 def _timing(

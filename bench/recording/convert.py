@@ -24,13 +24,14 @@ def convert(folder: Path, stored: StoredRun | None = None) -> int:
     RunError
         If there is nothing to make it from, or no room for it.
     """
+    state = read_state(folder)
     if stored is None:
-        state = read_state(folder)
         stored = read_stored(folder, Path(state.ring) if state is not None and state.ring else None)
     if stored.schema is None:
         raise RunError(f"{folder}: nothing was recorded")
+    schema, rows = stored.chosen(state.files.mf4_signals if state is not None else ("*",))
     try:
-        return write_mf4(folder / MF4_FILE, stored.schema, stored.rows)
+        return write_mf4(folder / MF4_FILE, schema, rows)
     except OSError as error:
         raise RunError(
             f"{folder / MF4_FILE}: {(error.strerror or str(error)).lower()}",

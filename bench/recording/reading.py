@@ -13,7 +13,7 @@ from bench.recording.arrays import RunArrays
 from bench.recording.frame_file import read_blf
 from bench.recording.mf4_file import read_mf4
 from bench.recording.run_folder import FRAME_FILE, MF4_FILE, STREAM_FILE, read_state
-from bench.recording.stored_rows import StoredRun, read_stored
+from bench.recording.stored_rows import read_stored
 from signals.errors import InputError
 
 
@@ -56,30 +56,22 @@ class Recording(RunArrays):
         if not path.is_file():
             raise InputError(f"{path}: no such recording", allowed="a run's folder, an .mf4 or an .mcap file")
         if path.suffix == ".mcap":
-            return cls._of_stored(path, path.parent, read_stored(path.parent))
+            stored = read_stored(path.parent)
+            return cls(path, path.parent, stored.arrays(), stored.frames)
         if path.suffix != ".mf4":
             raise InputError(f"{path}: not recorded by the bench", mend="give a channel map: --channels MAP")
         return cls(path, path.parent, read_mf4(path))
 
     @classmethod
     def _open_folder(cls, folder: Path) -> "Recording":
-        if (folder / MF4_FILE).is_file():
-            return cls(folder, folder, read_mf4(folder / MF4_FILE))
         state = read_state(folder)
-        if state is None and not (folder / STREAM_FILE).is_file():
+        if state is not None or (folder / STREAM_FILE).is_file():
+            stored = read_stored(folder, Path(state.ring) if state is not None and state.ring else None)
+            if stored.schema is not None:
+                return cls(folder, folder, stored.arrays(), stored.frames)
+        if not (folder / MF4_FILE).is_file():
             raise InputError(f"{folder}: holds no recording ({MF4_FILE} or {STREAM_FILE})")
-        return cls._of_stored(folder, folder, read_stored(folder, Path(state.ring) if state and state.ring else None))
-
-    @classmethod
-    def _of_stored(cls, path: Path, folder: Path, stored: StoredRun) -> "Recording":
-        if stored.schema is None:
-            raise InputError(f"{path}: nothing was recorded")
-        schema = stored.schema
-        values = [block for _, _, block in stored.rows]
-        matrix = np.concatenate(values) if values else np.zeros((0, len(schema.signals)))
-        information = schema.information | {"start_time_ns": schema.start_time_ns}
-        arrays = RunArrays.from_matrix(matrix, schema.signals, phase_names=schema.phase_names, information=information)
-        return cls(path, folder, arrays, stored.frames)
+        return cls(folder, folder, read_mf4(folder / MF4_FILE))
 
     @cached_property
     def frames(self) -> NDArray[np.void]:

@@ -1,8 +1,8 @@
 """The recorder: a process of its own that moves rows and frames from the ring into files.
 
-``python -m bench.recording.recorder --ring FILE --out FOLDER --parent PID [--asc]``. It ends when the writer has closed
-the ring or when its parent has ended, in both cases after it has taken what is left. When it cannot write (disk full)
-it says so in the ring and ends with exit code 4; what is written stays.
+``python -m bench.recording.recorder --ring FILE --out FOLDER --parent PID [--blf] [--asc]``. It ends when the writer
+has closed the ring or when its parent has ended, in both cases after it has taken what is left. When it cannot write
+(disk full) it says so in the ring and ends with exit code 4; what is written stays.
 """
 
 import argparse
@@ -29,12 +29,14 @@ RESERVE_BYTES = 2 << 20
 class Recorder:
     """Files of one run and the ring that fills them."""
 
-    def __init__(self, ring: RingReader, folder: Path, *, asc: bool = False) -> None:
+    def __init__(self, ring: RingReader, folder: Path, *, blf: bool = True, asc: bool = False) -> None:
         self._ring = ring
         self._rows_due = self._frames_due = 0
         start_ns = ring.schema.start_time_ns
         self._signals = SignalFile(folder / STREAM_FILE, ring.schema)
-        self._frame_files: list[BlfFile | AscFile] = [BlfFile(folder / FRAME_FILE, start_ns)]
+        self._frame_files: list[BlfFile | AscFile] = []
+        if blf:
+            self._frame_files.append(BlfFile(folder / FRAME_FILE, start_ns))
         if asc:
             self._frame_files.append(AscFile(folder / ASC_FILE, start_ns))
 
@@ -79,9 +81,9 @@ class Recorder:
             file.abandon()
 
 
-def record(ring: RingReader, folder: Path, *, asc: bool, ended: list[bool]) -> None:
+def record(ring: RingReader, folder: Path, *, blf: bool, asc: bool, ended: list[bool]) -> None:
     """Record until the ring is closed or ``ended`` holds something, and everything is taken."""
-    recorder = Recorder(ring, folder, asc=asc)
+    recorder = Recorder(ring, folder, blf=blf, asc=asc)
     ring.set_state(RECORDING)
     try:
         _record(recorder, ring, ended)
@@ -119,7 +121,8 @@ def main() -> int:
     parser.add_argument("--ring", type=Path, required=True)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--parent", type=int, required=True, help="process to end with")
-    parser.add_argument("--asc", action="store_true")
+    parser.add_argument("--blf", action="store_true", help="write frames.blf")
+    parser.add_argument("--asc", action="store_true", help="write frames.asc")
     arguments = parser.parse_args()
     ended: list[bool] = []
 
@@ -136,7 +139,7 @@ def main() -> int:
     ring = RingReader(arguments.ring, recorder=True)
     try:
         reserve_space(arguments.out)
-        record(ring, arguments.out, asc=arguments.asc, ended=ended)
+        record(ring, arguments.out, blf=arguments.blf, asc=arguments.asc, ended=ended)
     except OSError as error:
         (arguments.out / RESERVE_FILE).unlink(missing_ok=True)
         text = f"{arguments.out}: {(error.strerror or str(error)).lower()}"

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bench.recording.arrays import RunArrays
 from bench.recording.convert import convert
 from bench.recording.frame_file import AscFile, BlfFile
 from bench.recording.reading import Recording
@@ -90,19 +91,20 @@ def recover(folder: str | Path) -> Recovery:
     if stored.schema is None:
         stored = StoredRun(RunSchema.of(catalogue(), information={"scenario": state.scenario}))
     remarks = _make_files(folder, state, stored)
-    recording = Recording.open(folder)
-    rows, frames = len(recording), len(recording.frames)
+    arrays = _arrays(folder, stored)
+    rows, frames = len(arrays), len(stored.frames)
     append_log(folder, f"recovered {rows} rows and {frames} frames; the run was left as: {state.state}")
     remove_running_files(folder, ring)
-    return Recovery(folder, False, rows, frames, float(recording.time[-1]) if rows else 0.0, tuple(remarks))
+    return Recovery(folder, False, rows, frames, float(arrays.time[-1]) if rows else 0.0, tuple(remarks))
 
 
 def _make_files(folder: Path, state: RunState, stored: StoredRun) -> list[str]:
     """Files of a finished run; returns remarks on what could not be made."""
     from bench.verdict.output_files import write_verdict
 
-    if not _files_are_whole(folder):
-        convert(folder, stored)
+    if not _files_are_whole(folder, state):
+        if state.files.mf4:
+            convert(folder, stored)
         try:
             _write_frames(folder, state, stored)
         except OSError as error:
@@ -116,17 +118,19 @@ def _make_files(folder: Path, state: RunState, stored: StoredRun) -> list[str]:
     return remarks + _report(folder)
 
 
-def _files_are_whole(folder: Path) -> bool:
-    """True if signals.mf4 was made and the stream taken away after it: only the last steps were missing."""
-    return (folder / MF4_FILE).is_file() and not (folder / STREAM_FILE).exists()
+def _files_are_whole(folder: Path, state: RunState) -> bool:
+    """True if the stream was taken away after signals.mf4 was made: only the last steps were missing."""
+    made = (folder / MF4_FILE).is_file() or (state.state == ENDED and not state.files.mf4)
+    return made and not (folder / STREAM_FILE).exists()
 
 
 def _write_frames(folder: Path, state: RunState, stored: StoredRun) -> None:
     start_ns = stored.schema.start_time_ns if stored.schema is not None else 0
-    writers: list[tuple[type[BlfFile | AscFile], str]] = [(BlfFile, FRAME_FILE)]
-    if state.asc:
-        writers.append((AscFile, ASC_FILE))
-    for make, name in writers:
+    writers: list[tuple[type[BlfFile | AscFile], str, bool]] = [
+        (BlfFile, FRAME_FILE, state.files.blf),
+        (AscFile, ASC_FILE, state.files.asc),
+    ]
+    for make, name in ((make, name) for make, name, wanted in writers if wanted):
         partial = folder / f".{Path(name).stem}.partial{Path(name).suffix}"
         file = make(partial, start_ns)
         file.write(stored.frames)
@@ -148,7 +152,7 @@ def _verdict(folder: Path, state: RunState, stored: StoredRun) -> "Verdict":
     from bench.verdict.judge import judge, missing_signals
     from bench.verdict.result import INCONCLUSIVE
 
-    recording = Recording.open(folder)
+    recording = _arrays(folder, stored)
     recording.timing = {"mode": state.information.get("mode", "")}
     criteria, remarks = _criteria(folder)
     if criteria is not None and missing_signals(recording, criteria.criteria, criteria.valid_if):
@@ -167,6 +171,11 @@ def _verdict(folder: Path, state: RunState, stored: StoredRun) -> "Verdict":
         criterion.verdict = INCONCLUSIVE
         criterion.reason = criterion.reason or "the run did not end: the value is that of the recorded part"
     return verdict
+
+
+def _arrays(folder: Path, stored: StoredRun) -> RunArrays:
+    """Rows that are left, or those of signals.mf4 where the stream was already taken away."""
+    return Recording.open(folder) if not stored.rows and (folder / MF4_FILE).is_file() else stored.arrays()
 
 
 def _what_happened(state: RunState, stored: StoredRun) -> str:

@@ -8,7 +8,7 @@ While it runs: ``run.json``, ``scenario.yaml``, ``log.txt``, ``signals.mcap``, `
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -26,6 +26,24 @@ LOG_FILE = "log.txt"
 RESERVE_FILE = ".reserve"
 RUNNING, ENDED = "running", "ended"
 FINISHED_FILES = ("verdict.json", "junit.xml", "report.html", MF4_FILE, FRAME_FILE, SCENARIO_FILE, LOG_FILE)
+
+
+@dataclass(frozen=True)
+class FileChoice:
+    """Which files a run leaves.
+
+    Attributes
+    ----------
+    mf4, blf, asc : bool
+        Whether signals.mf4, frames.blf, frames.asc are wanted.
+    mf4_signals : sequence of str
+        Names or patterns of the signals in signals.mf4; the time is always there.
+    """
+
+    mf4: bool = True
+    blf: bool = True
+    asc: bool = False
+    mf4_signals: Sequence[str] = ("*",)
 
 
 @dataclass
@@ -51,7 +69,7 @@ class RunState:
     started: str
     state: str = RUNNING
     ring: str = ""
-    asc: bool = False
+    files: FileChoice = field(default_factory=FileChoice)
     information: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -71,7 +89,12 @@ def process_start(pid: int) -> int:
 
 
 def create_run_folder(
-    folder: Path, *, scenario: str, scenario_text: str, asc: bool = False, information: Mapping[str, Any] | None = None
+    folder: Path,
+    *,
+    scenario: str,
+    scenario_text: str,
+    files: FileChoice | None = None,
+    information: Mapping[str, Any] | None = None,
 ) -> RunState:
     """Make a run's folder with its scenario, log and state in one step: it exists with all of them or not at all.
 
@@ -91,9 +114,9 @@ def create_run_folder(
         raise InputError(f"{folder}: already there and not empty", mend="give another folder: --out DIR")
     digest = hashlib.sha256(scenario_text.encode()).hexdigest()
     now = datetime.now(UTC).astimezone().isoformat(timespec="seconds")
-    state = RunState(
-        scenario, digest, os.getpid(), process_start(os.getpid()), now, asc=asc, information=dict(information or {})
-    )
+    pid = os.getpid()
+    state = RunState(scenario, digest, pid, process_start(pid), now, files=files or FileChoice())
+    state.information = dict(information or {})
     beside = folder.with_name(f".{folder.name}.{os.getpid()}")
     try:
         beside.mkdir(parents=True)
@@ -121,7 +144,7 @@ def read_state(folder: Path) -> RunState | None:
         return None
     except ValueError as error:
         raise InputError(f"{folder / STATE_FILE}: not readable ({error})") from error
-    return RunState(**content)
+    return RunState(**content | {"files": FileChoice(**content.get("files", {}))})
 
 
 def append_log(folder: Path, text: str) -> None:

@@ -27,6 +27,7 @@ from bench.recording.run_folder import (
     LOG_FILE,
     MF4_FILE,
     RESERVE_FILE,
+    FileChoice,
     RunState,
     append_log,
     create_run_folder,
@@ -83,7 +84,7 @@ class RecordingSession:
         scenario: str,
         scenario_text: str,
         flow_control: bool,
-        asc: bool = False,
+        files: FileChoice | None = None,
         cores: CorePlan | None = None,
         information: Mapping[str, Any] | None = None,
     ) -> "RecordingSession":
@@ -95,8 +96,8 @@ class RecordingSession:
             The run's folder; it must not exist, or be empty.
         flow_control : bool
             True in lock-step: the loop waits when the recorder is behind.
-        asc : bool
-            Write ``frames.asc`` beside ``frames.blf``.
+        files : FileChoice, optional
+            Files to leave; by default MF4 with every signal and BLF.
         cores : CorePlan, optional
             The recorder runs on its helper cores.
         information : mapping, optional
@@ -112,7 +113,7 @@ class RecordingSession:
         folder = folder.absolute()
         remove_orphaned_rings()
         state = create_run_folder(
-            folder, scenario=scenario, scenario_text=scenario_text, asc=asc, information=information
+            folder, scenario=scenario, scenario_text=scenario_text, files=files, information=information
         )
         schema = replace(schema, information={"scenario": scenario, "run_dir": str(folder)} | schema.information)
         ring_path = place_for_ring(folder, ring_size(len(schema.signals)))
@@ -120,10 +121,9 @@ class RecordingSession:
         write_state(folder, state)
         writer = RingWriter(ring_path, schema, flow_control=flow_control)
         arguments = ["--ring", str(ring_path), "--out", str(folder), "--parent", str(os.getpid())]
+        arguments += [f"--{name}" for name in ("blf", "asc") if getattr(state.files, name)]
         with _on(cores), (folder / LOG_FILE).open("ab") as log:
-            recorder = start_module(
-                "recorder", "bench.recording.recorder", [*arguments, *(["--asc"] if asc else [])], log=log
-            )
+            recorder = start_module("recorder", "bench.recording.recorder", arguments, log=log)
         session = cls(folder, state, writer, recorder)
         session._wait_for_recorder()
         return session
@@ -165,7 +165,7 @@ class RecordingSession:
         if not problem:
             self._state.state = ENDED
             write_state(self.folder, self._state)
-            problem = self._convert(cores) if convert else ""
+            problem = self._convert(cores) if convert and self._state.files.mf4 else ""
         if problem:
             (self.folder / RESERVE_FILE).unlink(missing_ok=True)
             append_log(self.folder, f"error: {problem}")

@@ -1,13 +1,16 @@
 """Rows and frames of a run that is not finished: what the files hold, and after it what only the ring holds."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bench.links.frame import FRAME_DTYPE
+from bench.recording.arrays import RunArrays
 from bench.recording.frame_file import read_blf
 from bench.recording.ring import FRAMES_LOST, RingReader
 from bench.recording.run_folder import FRAME_FILE, STREAM_FILE
@@ -39,6 +42,40 @@ class StoredRun:
     def row_count(self) -> int:
         """Rows that are there."""
         return sum(len(ticks) for _, ticks, _ in self.rows)
+
+    def arrays(self, timing: Mapping[str, Any] | None = None) -> RunArrays:
+        """The rows as signals.
+
+        Raises
+        ------
+        InputError
+            If nothing was recorded, not even what a row holds.
+        """
+        if self.schema is None:
+            raise InputError("nothing was recorded")
+        values = [block for _, _, block in self.rows]
+        matrix = np.concatenate(values) if values else np.zeros((0, len(self.schema.signals)))
+        information = self.schema.information | {"start_time_ns": self.schema.start_time_ns}
+        return RunArrays.from_matrix(
+            matrix,
+            self.schema.signals,
+            phase_names=self.schema.phase_names,
+            timing=timing,
+            information=information,
+        )
+
+    def chosen(self, patterns: Sequence[str]) -> tuple[RunSchema, Iterator[Rows]]:
+        """Schema and rows with only the signals that a pattern fits, and the time."""
+        schema = self.schema or RunSchema(())
+        columns = [
+            position
+            for position, name in enumerate(schema.names)
+            if name == "time" or any(fnmatchcase(name, pattern) for pattern in patterns)
+        ]
+        if len(columns) == len(schema.signals):
+            return schema, iter(self.rows)
+        chosen = replace(schema, signals=tuple(schema.signals[position] for position in columns))
+        return chosen, ((first, ticks, values[:, columns]) for first, ticks, values in self.rows)
 
     @property
     def last_time_s(self) -> float:

@@ -17,7 +17,7 @@ from bench.links.frame import BIT_RATE_SWITCH, ERROR, EXTENDED, FD, REMOTE, TRAN
 from bench.recording.frame_file import BlfFile, read_blf
 from bench.recording.reading import Recording
 from bench.recording.ring import ROWS
-from bench.recording.run_folder import FINISHED_FILES, read_state, remove_orphaned_rings
+from bench.recording.run_folder import FINISHED_FILES, FileChoice, read_state, remove_orphaned_rings
 from bench.recording.session import RecordingSession
 from bench.recording.signal_file import CHUNK_BYTES, SignalFile, read_signal_file
 from bench.verdict.output_files import write_verdict
@@ -38,7 +38,7 @@ def start(folder: Path, **options) -> RecordingSession:
 def folder(tmp_path_factory) -> Path:
     """Folder of a run that ended in order."""
     path = tmp_path_factory.mktemp("runs") / "synthetic-1"
-    session = start(path, asc=True)
+    session = start(path, files=FileChoice(asc=True))
     assert session.problem() == ""
     write(session, 0, TICKS)
     outcome = session.stop()
@@ -213,6 +213,18 @@ def test_more_rows_than_the_ring_holds(tmp_path: Path) -> None:
     assert np.array_equal(recording.time, np.arange(count) * 1e-3)
     assert len(recording.frames) == 2 * count
     session.seal()
+
+
+def test_only_chosen_files_and_signals_stay(tmp_path: Path) -> None:
+    chosen = FileChoice(blf=False, mf4_signals=["speed", "slip_ratio_*"])
+    session = start(tmp_path / "run", files=chosen)
+    write(session, 0, 100)
+    assert session.stop().problem == ""
+    assert len(Recording.open(tmp_path / "run").names) == len(SIGNALS)
+    session.seal()
+    assert {path.name for path in (tmp_path / "run").iterdir()} == {"signals.mf4", "scenario.yaml", "log.txt"}
+    names = set(Recording.open(tmp_path / "run").names)
+    assert names == {"time", "speed", *(f"slip_ratio_{wheel}" for wheel in ("fl", "fr", "rl", "rr"))}
 
 
 def test_a_folder_in_use_is_refused(tmp_path: Path) -> None:
