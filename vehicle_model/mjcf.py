@@ -39,7 +39,7 @@ def mjcf(bodies: RigidBodies, time_step_s: float) -> str:
     full = [inertia[0, 0], inertia[1, 1], inertia[2, 2], inertia[0, 1], inertia[0, 2], inertia[1, 2]]
     flags = " ".join(f'{name}="disable"' for name in _OFF.split())
     return (
-        '<mujoco model="car"><compiler angle="radian" autolimits="false"/>'
+        '<mujoco model="car"><compiler angle="radian" autolimits="false" balanceinertia="true"/>'
         f'<option timestep="{time_step_s!r}" integrator="Euler" gravity="0 0 -9.81"><flag {flags}/></option>'
         f'<worldbody><body name="chassis"><freejoint name="chassis"/><inertial pos="{_numbers(bodies.sprung_centre)}" '
         f'mass="{bodies.sprung_mass!r}" fullinertia="{_numbers(full)}"/>'
@@ -57,8 +57,8 @@ def build_model(bodies: RigidBodies, time_step_s: float) -> mujoco.MjModel:
     return model
 
 
-def write_bodies(model: mujoco.MjModel, bodies: RigidBodies) -> None:
-    """Change masses, inertias and wheel places of a model in use."""
+def write_bodies(model: mujoco.MjModel, scratch: mujoco.MjData, bodies: RigidBodies) -> None:
+    """Change masses, inertias and wheel places of a model in use; ``scratch`` is data of it that nobody else uses."""
     principal, axes = np.linalg.eigh(bodies.sprung_inertia)
     if np.linalg.det(axes) < 0.0:
         axes[:, 0] = -axes[:, 0]
@@ -73,5 +73,5 @@ def write_bodies(model: mujoco.MjModel, bodies: RigidBodies) -> None:
         model.body_pos[2 + index] = bodies.wheel_positions[index]
         model.body_mass[2 + index] = bodies.unsprung_mass[index]
         model.body_inertia[2 + index] = (transverse, spin, transverse)
-    # recomputes the masses of subtrees; it moves the data that it is given to the rest position
-    mujoco.mj_setConst(model, mujoco.MjData(model))
+    # recomputes the masses of subtrees, in the rest position of the data that it is given
+    mujoco.mj_setConst(model, scratch)

@@ -14,14 +14,24 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from signals.errors import unknown_name
+from signals.errors import InputError, unknown_name
 from vehicle_model import parameters
 from vehicle_model.body_forces import steering_angle
 from vehicle_model.equilibrium import solve_equilibrium
 from vehicle_model.interface import PLANT_OUTPUTS, TIME_STEP_S
 from vehicle_model.mjcf import build_model, write_bodies
 from vehicle_model.parameters import ParameterInfo
-from vehicle_model.plant_parameters import RIGID_BODY_SECTIONS, SECTIONS, PlantOptions, copy_of, write_parameters
+from vehicle_model.plant_parameters import (
+    ONLY_WHEN_BUILT,
+    RIGID_BODY_SECTIONS,
+    SECTIONS,
+    PlantOptions,
+    copy_of,
+    write_masses,
+    write_numerics,
+    write_running_gear,
+    write_tyres,
+)
 from vehicle_model.plant_record import (
     PARAMETER_RECORD,
     POSITION_STEER,
@@ -69,7 +79,7 @@ class Plant:
     ) -> None:
         self._vehicle = copy_of(vehicle)
         self._at_rest = copy_of(vehicle)
-        self._numbers_at_rest = self._at_rest.numbers()
+        self._numbers_at_rest = self._rigid_body_numbers(self._at_rest)
         self._options = PlantOptions(steps_per_tick=steps_per_tick, wheel_substeps=wheel_substeps)
         self._road = RoadTables(road or RoadFile())
         self._parameters = np.zeros(1, PARAMETER_RECORD)
@@ -78,22 +88,36 @@ class Plant:
         self._prepared = np.zeros((4, PREPARED_SIZE))
         self._brake, self._drive = np.zeros(4), np.zeros(4)
         self._time_s = 0.0
-        bodies = self._bodies()
-        self._model = build_model(bodies, TIME_STEP_S / steps_per_tick)
-        self._data = mujoco.MjData(self._model)
-        self._write(bodies)
+        self._model = build_model(self._bodies(), TIME_STEP_S / steps_per_tick)
+        self._data, self._scratch = mujoco.MjData(self._model), mujoco.MjData(self._model)
+        for section in (*RIGID_BODY_SECTIONS, "tyres", "plant"):
+            self._write(section)
         self.outputs = np.zeros(len(PLANT_OUTPUTS))
         self._addresses = np.zeros(len(ADDRESS_NAMES), np.int64)
         self._take_addresses()
         self.reset(speed_m_s=0.0)
 
-    def _bodies(self) -> RigidBodies:
-        return rigid_bodies(self._vehicle.numbers(), self._numbers_at_rest)
+    @staticmethod
+    def _rigid_body_numbers(vehicle: VehicleFile) -> dict[str, float]:
+        return {path: value for section in RIGID_BODY_SECTIONS for path, value in vehicle.numbers(section).items()}
 
-    def _write(self, bodies: RigidBodies) -> None:
-        self._model.opt.timestep = TIME_STEP_S / self._options.steps_per_tick
-        write_bodies(self._model, bodies)
-        write_parameters(self._parameters, self._tyres, self._vehicle, self._at_rest, bodies, self._options)
+    def _bodies(self) -> RigidBodies:
+        return rigid_bodies(self._rigid_body_numbers(self._vehicle), self._numbers_at_rest)
+
+    def _write(self, section: str) -> None:
+        """Bring the compiled step's memory up to date after a change in a section of the parameters."""
+        if section == "tyres":
+            write_tyres(self._parameters, self._tyres, self._vehicle)
+            return
+        if section == "plant":
+            write_numerics(self._parameters, self._options)
+            self._model.opt.timestep = TIME_STEP_S / self._options.steps_per_tick
+            return
+        if section in RIGID_BODY_SECTIONS:
+            bodies = self._bodies()
+            write_bodies(self._model, self._scratch, bodies)
+            write_masses(self._parameters, self._vehicle, self._at_rest, bodies)
+        write_running_gear(self._parameters, self._vehicle, self._at_rest)
 
     def _take_addresses(self) -> None:
         memory: dict[str, NDArray[Any]] = {
@@ -169,7 +193,7 @@ class Plant:
 
     def parameter_table(self) -> list[ParameterInfo]:
         """Every parameter with unit, value, range and neutral value."""
-        return list(self._infos())
+        return [info for info in self._infos() if info.path not in ONLY_WHEN_BUILT]
 
     def _infos(self) -> Iterator[ParameterInfo]:
         for section in SECTIONS:
@@ -194,6 +218,11 @@ class Plant:
 
     def set(self, path: str, value: float | str) -> None:
         """Change a parameter from the next tick on; InputError if there is none or the value is refused."""
+        if path in ONLY_WHEN_BUILT:
+            raise InputError(
+                f"{path}: only used when the car is built",
+                mend="change it in the vehicle file, or change what follows from it (inertias, vertical stiffness)",
+            )
         if path.startswith("road."):
             self._road.set(path, value)
             return
@@ -201,14 +230,10 @@ class Plant:
         before = parameters.get_parameter(model, path, prefix)
         parameters.set_parameter(model, path, value, prefix)
         try:
-            bodies = self._bodies()
-        except Exception:
+            self._write(prefix.removesuffix("."))
+        except InputError:
             parameters.set_parameter(model, path, before, prefix)
             raise
-        if path.startswith(RIGID_BODY_SECTIONS) or prefix == "plant.":
-            self._write(bodies)
-        else:
-            write_parameters(self._parameters, self._tyres, self._vehicle, self._at_rest, bodies, self._options)
 
     def state(self) -> dict[str, float]:
         """Outputs of the last tick by name."""

@@ -12,7 +12,11 @@ from vehicle_model.tyres.tyre_file import CurveTyre, TyrePair
 from vehicle_model.vehicle_file import STANDARD_GRAVITY, VehicleFile
 
 SECTIONS = ("body", "axles", "wheels", "suspension", "steering", "aerodynamics", "tyres")
-RIGID_BODY_SECTIONS = ("body.", "axles.", "wheels.")
+RIGID_BODY_SECTIONS = ("body", "axles", "wheels")
+ONLY_WHEN_BUILT = frozenset(
+    {"body.length", "body.width", "body.height", *(f"wheels.{wheel}.unloaded_radius" for wheel in WHEELS)}
+)
+"""Parameters from which others are estimated when a file is read; a car in use no longer asks for them."""
 
 
 class PlantOptions(FileModel):
@@ -24,27 +28,18 @@ class PlantOptions(FileModel):
     )
 
 
-def write_parameters(
-    record: NDArray[np.void],
-    tyre_rows: NDArray[np.float64],
-    vehicle: VehicleFile,
-    at_rest: VehicleFile,
-    bodies: RigidBodies,
-    options: PlantOptions,
-) -> None:
-    """Fill the parameter record and the tyres' rows.
+def write_masses(record: NDArray[np.void], vehicle: VehicleFile, at_rest: VehicleFile, bodies: RigidBodies) -> None:
+    """Fill geometry, masses and static loads.
 
     Parameters
     ----------
     record : shape (1,), dtype ``PARAMETER_RECORD``
-    tyre_rows : shape (4, TYRE_SIZE)
     vehicle, at_rest : VehicleFile
         Present parameters; those with which the car was built, which fix ride height and preloads.
     bodies : RigidBodies
         The car taken apart, from the present parameters.
     """
     p = record[0]
-    p["steps"], p["substeps"] = options.steps_per_tick, options.wheel_substeps
     p["height"] = at_rest.body.centre_of_gravity_height
     p["wheel_x"], p["wheel_y"], p["wheel_z"] = bodies.wheel_positions.T
     p["sprung_mass"], p["sprung_centre"] = bodies.sprung_mass, bodies.sprung_centre
@@ -52,13 +47,26 @@ def write_parameters(
     p["unsprung_mass"], p["spin_inertia"] = bodies.unsprung_mass, bodies.spin_inertia
     p["transverse_inertia"] = bodies.transverse_inertia
     p["static_load"] = at_rest.static_loads()
-    _write_wheels(p, vehicle, at_rest)
-    _write_steering_and_air(p, vehicle)
+
+
+def write_numerics(record: NDArray[np.void], options: PlantOptions) -> None:
+    """Fill the numbers of steps."""
+    record["steps"], record["substeps"] = options.steps_per_tick, options.wheel_substeps
+
+
+def write_tyres(record: NDArray[np.void], tyre_rows: NDArray[np.float64], vehicle: VehicleFile) -> None:
+    """Fill the tyres' rows (shape ``(4, TYRE_SIZE)``) and their contact states."""
     pair = vehicle.tyre_pair
     for i in range(4):
         tyre = pair.front if i < 2 else pair.rear
-        _write_contact(p, i, tyre)
+        _write_contact(record[0], i, tyre)
         write_tyre(tyre, tyre_rows[i])
+
+
+def write_running_gear(record: NDArray[np.void], vehicle: VehicleFile, at_rest: VehicleFile) -> None:
+    """Fill wheels, suspension, steering and air forces; static loads are there already."""
+    _write_wheels(record[0], vehicle, at_rest)
+    _write_steering_and_air(record[0], vehicle)
 
 
 def _write_wheels(p: Record, vehicle: VehicleFile, at_rest: VehicleFile) -> None:

@@ -57,7 +57,7 @@ def rigid_bodies(values: Mapping[str, float], at_rest: Mapping[str, float]) -> R
     Raises
     ------
     InputError
-        If nothing remains for the sprung body.
+        If no mass or no inertia remains for the sprung body.
     """
     origin_behind, origin_height = (
         at_rest["body.centre_of_gravity_to_front_axle"],
@@ -93,11 +93,12 @@ def rigid_bodies(values: Mapping[str, float], at_rest: Mapping[str, float]) -> R
         inertia -= np.diag([transverse[index], spin[index], transverse[index]])
     inertia -= _steiner(sprung_mass, sprung_centre - centre)
     principal = np.linalg.eigvalsh(inertia)
-    if principal[0] <= 0.0 or principal[0] + principal[1] < principal[2]:
+    # estimates such as eq. 116 may leave one inertia larger than the sum of the other two; the equations bear that
+    if principal[0] <= 0.0:
         raise InputError(
-            "body: the inertias less those of the wheels are those of no rigid body",
-            found=f"principal inertias {principal[0]:.0f}, {principal[1]:.0f}, {principal[2]:.0f} kg m^2",
-            allowed="all positive, none larger than the sum of the other two",
-            mend="change roll_inertia, pitch_inertia or yaw_inertia",
+            "body: the wheels alone have more inertia than the whole car",
+            found=f"{principal[0]:.0f} kg m^2 for the sprung body",
+            allowed="more than 0",
+            mend="raise roll_inertia, pitch_inertia or yaw_inertia",
         )
     return RigidBodies(wheels, unsprung, spin, transverse, float(sprung_mass), sprung_centre, inertia)

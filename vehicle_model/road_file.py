@@ -55,19 +55,25 @@ class Jump(FileModel):
     time: float | None = parameter("s", None, low=0.0, description="time of the run")
     friction: float = parameter("1", 1.0, low=0.0, high=3.0, description="factor after the jump")
     surface: str | None = None
-    transition_length: float = parameter("m", 0.0, low=0.0, high=1000.0, description="of a linear change, by position")
-    transition_time: float = parameter(
-        "s", 0.0, low=0.0, high=60.0, description="of a linear change, by time; friction document 6.4: 0.3 s"
+    transition_length: float | None = parameter(
+        "m", None, low=0.0, high=1000.0, description="of a linear change, with position"
+    )
+    transition_time: float | None = parameter(
+        "s", None, low=0.0, high=60.0, description="of a linear change, with time; friction document 6.4: 0.3 s"
     )
 
     @model_validator(mode="after")
     def _one_of(self) -> "Jump":
         if (self.position is None) == (self.time is None):
             raise FieldError("needs one of position and time", allowed="position or time")
-        if self.position is None and self.transition_length > 0.0:
+        if self.position is None and self.transition_length is not None:
             raise FieldError("goes with position", at=("transition_length",), allowed="transition_time with time")
-        if self.time is None and self.transition_time > 0.0:
+        if self.time is None and self.transition_time is not None:
             raise FieldError("goes with time", at=("transition_time",), allowed="transition_length with position")
+        # the transition of the other kind stays None and is no parameter of this jump
+        name = "transition_time" if self.position is None else "transition_length"
+        if getattr(self, name) is None:
+            object.__setattr__(self, name, 0.0)
         return self
 
 

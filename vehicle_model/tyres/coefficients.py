@@ -34,6 +34,9 @@ def magic_formula_peak_slip(curve: MagicFormulaCurve) -> float:
         return _MONOTONE_PEAK_SLIP
     wanted = math.tan(math.pi / (2.0 * curve.shape))
 
+    if curve.curvature == 0.0:
+        return min(wanted / curve.stiffness, _MONOTONE_PEAK_SLIP)
+
     def left(x: float) -> float:
         return x - curve.curvature * (x - math.atan(x))
 
