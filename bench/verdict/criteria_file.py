@@ -11,13 +11,11 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 
 from bench.verdict.expression import ExpressionError, check, nearest
-from bench.verdict.units import dimension, unit_of
+from bench.verdict.units import is_si, same_dimension, unit_of
 from bench.verdict.vocabulary import METRICS, PHASES
 from signals.quantities import FileModel, QuantityError, to_si
 
 Path = tuple[str | int, ...]
-
-_SI = frozenset(("m", "s", "kg", "N", "Pa", "rad", "J", "W", "K", "degC", "V", "A", "Hz"))
 
 
 class ValidIf(FileModel):
@@ -165,12 +163,11 @@ def _limit_problems(criterion: Criterion, units: Mapping[str, str]) -> Iterator[
         for found in error.problems:
             yield CriterionProblem(("value",), f"column {found.column + 1}: {found.message}")
         return
-    if inferred and criterion.unit and dimension(inferred) != dimension(criterion.unit):
+    if inferred and criterion.unit and not same_dimension(inferred, criterion.unit):
         yield CriterionProblem(("unit",), f"found {criterion.unit!r}; allowed: {inferred}, the unit of the value")
         return
     unit = criterion.unit or inferred
-    foreign = set(dimension(unit or "1")) - _SI
-    if foreign:
+    if not is_si(unit or "1"):
         yield CriterionProblem(("unit",), f"found {unit!r}; allowed: SI units as the signal catalogue writes them")
         return
     limits: dict[str, float] = {}

@@ -5,7 +5,6 @@ be a speed. Such an expression needs its unit written in the criterion.
 """
 
 import ast
-import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,38 +17,31 @@ from bench.verdict.expression import (
     parse,
 )
 from bench.verdict.vocabulary import CONSTANTS, FUNCTIONS, METRICS
+from signals.units import parse_unit, si_name
 
-_FACTOR = re.compile(r"([A-Za-z]+)(?:\^(-?\d+))?$")
-
-Dimension = dict[str, int]
-
-
-def dimension(unit: str) -> Dimension:
-    """Exponents of a unit as the catalogue writes them: ``m/s^2`` is {m: 1, s: -2}."""
-    exponents: Dimension = {}
-    for position, part in enumerate(unit.split("/")):
-        sign = 1 if position == 0 else -1
-        for word in part.split():
-            match = _FACTOR.match(word)
-            if match is not None:
-                exponents[match[1]] = exponents.get(match[1], 0) + sign * int(match[2] or 1)
-    return {name: exponent for name, exponent in exponents.items() if exponent}
+_BASES = ("m", "kg", "s", "A", "rad", "degC")
 
 
-def _written(exponents: Dimension) -> str:
-    def part(sign: int) -> str:
-        words = [(n, e * sign) for n, e in sorted(exponents.items()) if e * sign > 0]
-        return " ".join(n if e == 1 else f"{n}^{e}" for n, e in words)
-
-    above, below = part(1), part(-1)
-    return (above or "1") + (f"/{below.replace(' ', '/')}" if below else "")
+def same_dimension(first: str, second: str) -> bool:
+    """True if two units measure the same kind of quantity."""
+    one, other = parse_unit(first), parse_unit(second)
+    return one is not None and other is not None and one[1] == other[1]
 
 
-def _product(first: str, second: str, sign: int = 1) -> str:
-    exponents = dimension(first)
-    for name, exponent in dimension(second).items():
-        exponents[name] = exponents.get(name, 0) + sign * exponent
-    return _written({name: exponent for name, exponent in exponents.items() if exponent})
+def is_si(unit: str) -> bool:
+    """True if a unit is known and has no factor to SI."""
+    known = parse_unit(unit)
+    return known is not None and known[0] == 1.0
+
+
+def _product(first: str, second: str, sign: int = 1) -> str | None:
+    one, other = parse_unit(first), parse_unit(second)
+    if one is None or other is None:
+        return None
+    a, b, c, d, e, f = (x + sign * y for x, y in zip(one[1], other[1], strict=True))
+    exponents = (a, b, c, d, e, f)
+    written = " ".join(n if x == 1 else f"{n}^{x}" for n, x in zip(_BASES, exponents, strict=True) if x)
+    return si_name(exponents) or written
 
 
 def unit_of(text: str, units: Mapping[str, str]) -> str | None:
@@ -108,7 +100,7 @@ class _Inference:
             unit = self.unit(node)
             if unit is None:
                 continue
-            if found is not None and dimension(unit) != dimension(found):
+            if found is not None and not same_dimension(unit, found):
                 raise ExpressionError(
                     self.text, [ExpressionProblem(place.col_offset, f"found {found} beside {unit}; allowed: one unit")]
                 )
