@@ -1,7 +1,10 @@
 """Road files: friction by position and time, split and patches, surfaces, grade and bank, wind."""
 
+from collections.abc import Mapping
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from types import MappingProxyType
 from typing import Literal
 
 from pydantic import Field, model_validator
@@ -150,7 +153,7 @@ class RoadFile(FileModel):
         InputError
             If a name is unknown.
         """
-        known = load_surfaces() | self.surfaces
+        known = {**load_surfaces(), **self.surfaces}
         for name in self.surface_names():
             if name not in known:
                 raise unknown_name("surface", name, tuple(known))
@@ -189,7 +192,7 @@ def load_road(name_or_path: str | Path) -> RoadFile:
     return road
 
 
-def load_surfaces() -> dict[str, Surface]:
-    """The surfaces that ship with the bench, by name."""
-    path = ROADS / "surfaces.yaml"
-    return validate(load_yaml(path), SurfaceFile).surfaces
+@cache
+def load_surfaces() -> Mapping[str, Surface]:
+    """The surfaces that ship with the bench, by name (read once)."""
+    return MappingProxyType(validate(load_yaml(ROADS / "surfaces.yaml"), SurfaceFile).surfaces)
