@@ -88,8 +88,10 @@ def _alarming(snapshot: Snapshot) -> bool:
 
 def _headline(view: RunView, inner: int) -> Text:
     snapshot = view.snapshot
-    text = Text(f"{snapshot.phase or '–':<{LABEL_WIDTH}} ", style="bold cyan", no_wrap=True, overflow="ellipsis")
-    text.append(f"t {snapshot.time_s:7.3f} s   ", style="default")
+    roomy = inner >= 44
+    phase = f"{snapshot.phase or '–':<{LABEL_WIDTH if roomy else 1}} "
+    text = Text(phase, style="bold cyan", no_wrap=True, overflow="ellipsis")
+    text.append(f"t {snapshot.time_s:7.3f} s   " if roomy else f"{snapshot.time_s:.3f} s ", style="default")
     text.append(f"{snapshot.speed_kmh:6.1f} km/h  ", style="bold default")
     room = inner - len(text)
     if room >= 10:
@@ -104,13 +106,7 @@ def _motion(snapshot: Snapshot, inner: int) -> Text:
         ("yaw", signed(snapshot.yaw_rate_deg_s, 1, " °/s")),
         ("steer", signed(snapshot.steering_deg, 0, "°")),
     ]
-    return _joined((Text.assemble((f"{label} ", "dim"), value) for label, value in parts), "   ")
-
-
-def _joined(parts: Iterable[Text], separator: str) -> Text:
-    joined = Text(separator).join(parts)
-    joined.no_wrap, joined.overflow = True, "ellipsis"
-    return joined
+    return Text("   ").join(Text.assemble((f"{label} ", "dim"), value) for label, value in parts)
 
 
 def _wheel_table(snapshot: Snapshot, inner: int) -> Table:
