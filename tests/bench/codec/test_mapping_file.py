@@ -1,5 +1,7 @@
 """A user's own ECU: a foreign database and a mapping file, and what is said when they do not fit."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -200,3 +202,14 @@ def test_requirements_of_a_consumer(mapping: Path) -> None:
     codec.require("bench", ["wheel_speed_fl"], "by the filter")
     with pytest.raises(BenchError, match=r"yaw_rate \(needed by the filter\)"):
         codec.require("bench", ["wheel_speed_fl", "yaw_rate"], "by the filter")
+
+
+def test_checking_a_known_database_imports_nothing_heavy() -> None:
+    """What ``bench check`` does with a mapping; the database was read before, so not even cantools is needed."""
+    Codec.load()
+    program = (
+        "import sys; from bench.codec.resolve import load_layout; load_layout(); "
+        "print(sorted({'numba', 'scipy', 'mujoco', 'can', 'cantools', 'asammdf', 'matplotlib'} & set(sys.modules)))"
+    )
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert result.stdout == "[]\n"
