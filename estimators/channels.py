@@ -36,3 +36,10 @@ def _table() -> dict[str, Channel]:
 
 
 CHANNELS: dict[str, Channel] = _table()
+
+MOTION_INPUTS: tuple[str, ...] = ("longitudinal_acceleration", *(f"wheel_speed_{wheel}" for wheel in WHEELS))
+TORQUE_INPUTS: tuple[str, ...] = (
+    *(f"brake_pressure_{wheel}" for wheel in WHEELS),
+    "drive_torque_f",
+    "drive_torque_r",
+)

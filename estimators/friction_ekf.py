@@ -33,11 +33,11 @@ from estimators.friction_step import (
     SAMPLE_TIME,
     STATUS_SIZE,
     SUBSTEPS,
-    axle_torques,
     begin_tick,
     build_measurement,
     forget_everything,
     guard_limits,
+    read_torques,
     stop,
     write_outputs,
 )
@@ -121,7 +121,7 @@ def _tick(
     covariance = memory[_COVARIANCE:_TRANSITION]
     if begin_tick(state, covariance, status, tuning, guard, positions, inputs, ages) == RUNNING:
         torques, measured = memory[_TORQUES], memory[_MEASURED]
-        axle_torques(guard, tuning, torques)
+        read_torques(guard, tuning, torques)
         build_measurement(guard, tuning, status, state[SPEED], measured, rows)
         status[INNOVATION] = filter_step(memory, tuning, torques, measured, rows)
         guard_limits(state, tuning)
@@ -150,6 +150,7 @@ class FrictionEkf(Estimator):
     ) -> None:
         self.settings = settings
         self._tuning = friction_tuning(vehicle, settings, sample_time_s)
+        self._tuning[GATE] = settings.gate**2
         self._tuning[SUBSTEPS] = settings.prediction_substeps
         self._tuning[PROCESS_VARIANCE : PROCESS_VARIANCE + STATES] /= settings.prediction_substeps
         self._memory = np.zeros((_MEMORY_ROWS, STATES))

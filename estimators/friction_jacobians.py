@@ -42,11 +42,10 @@ from estimators.friction_model import (
     wheel_acceleration,
 )
 from estimators.kalman.covariance import FloatArray
+from estimators.longitudinal_inputs import BRAKE_F, BRAKE_R, DRIVE_F, DRIVE_R
 
 MEASUREMENTS = 8
 ROW_ACCELERATION, ROW_WHEEL_F, ROW_WHEEL_R, ROW_SLIP_F, ROW_SLIP_R, ROW_LIMIT_F, ROW_LIMIT_R, ROW_SPEED = range(8)
-
-DRIVE_F, DRIVE_R, BRAKE_F, BRAKE_R = range(4)
 
 # columns that may be non-zero, 3.6.5 and 3.6.6; -1 ends a shorter row
 TRANSITION_COLUMNS = np.array(

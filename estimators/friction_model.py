@@ -67,24 +67,15 @@ def axle_forces(state: FloatArray, parameters: FloatArray, forces: FloatArray) -
     slope_f = _slope(state[LIMIT_F], angle_f, parameters[SHAPE_F], parameters[STIFFNESS_F], state[SLIP_F])
     slope_r = _slope(state[LIMIT_R], angle_r, parameters[SHAPE_R], parameters[STIFFNESS_R], state[SLIP_R])
 
-    mass, weight = parameters[MASS], parameters[WEIGHT]
-    height, wheelbase = parameters[HEIGHT], parameters[WHEELBASE]
+    mass, height, wheelbase = parameters[MASS], parameters[HEIGHT], parameters[WHEELBASE]
     drag_height = parameters[DRAG_HEIGHT]
     drag = parameters[DRAG_FACTOR] * speed * speed
     drag_by_speed = 2.0 * parameters[DRAG_FACTOR] * speed if state[SPEED] > parameters[SPEED_FLOOR] else 0.0
+    base_f, base_r, load_f, load_r = axle_loads(used_f, used_r, drag, parameters)
     lever = wheelbase + height * (used_f - used_r)
     if parameters[EXACT_LOADS] > 0.0:
-        # inertia moment of the whole deceleration, drag and rolling resistance included
-        moment = (parameters[ROLLING_FORCE] + drag) * height - drag * drag_height
-        base_f = (weight * (wheelbase - parameters[FRONT_LENGTH] - height * used_r) + moment) / lever
-        base_r = weight - base_f
-        load_f, load_r = base_f, base_r
         load_f_by_speed = drag_by_speed * (height - drag_height) / lever
     else:
-        base_f = weight * (wheelbase - parameters[FRONT_LENGTH] - height * used_r) / lever
-        base_r = weight * (parameters[FRONT_LENGTH] + height * used_f) / lever
-        load_f = base_f - drag * drag_height / wheelbase
-        load_r = base_r + drag * drag_height / wheelbase
         load_f_by_speed = -drag_by_speed * drag_height / wheelbase
 
     transfer_f = height * base_f / lever
@@ -113,6 +104,38 @@ def axle_forces(state: FloatArray, parameters: FloatArray, forces: FloatArray) -
     acceleration[BY_SPEED] -= drag_by_speed / mass
     axles = forces[AXLES]
     axles[USED_F], axles[USED_R], axles[LOAD_F], axles[LOAD_R] = used_f, used_r, load_f, load_r
+
+
+@njit(cache=True)
+def axle_loads(used_f: float, used_r: float, drag: float, parameters: FloatArray) -> tuple[float, float, float, float]:
+    """Axle loads without and with drag at its own height, front and rear [N] (eq. 95).
+
+    ``EXACT_LOADS`` counts the inertia moment of the whole deceleration, drag and rolling resistance included; eq. 95
+    leaves these two out of it.
+    """
+    weight, height, wheelbase = parameters[WEIGHT], parameters[HEIGHT], parameters[WHEELBASE]
+    front_length, drag_height = parameters[FRONT_LENGTH], parameters[DRAG_HEIGHT]
+    lever = wheelbase + height * (used_f - used_r)
+    if parameters[EXACT_LOADS] > 0.0:
+        moment = (parameters[ROLLING_FORCE] + drag) * height - drag * drag_height
+        front = (weight * (wheelbase - front_length - height * used_r) + moment) / lever
+        return front, weight - front, front, weight - front
+    front = weight * (wheelbase - front_length - height * used_r) / lever
+    rear = weight * (front_length + height * used_f) / lever
+    shift = drag * drag_height / wheelbase
+    return front, rear, front - shift, rear + shift
+
+
+@njit(cache=True)
+def axle_motion(state: FloatArray, parameters: FloatArray) -> tuple[float, float, float]:
+    """Acceleration [m/s^2] and axle forces front and rear [N], without gradients (eqs 90-96)."""
+    speed = max(state[SPEED], parameters[SPEED_FLOOR])
+    used_f = state[LIMIT_F] * math.sin(parameters[SHAPE_F] * math.atan(parameters[STIFFNESS_F] * state[SLIP_F]))
+    used_r = state[LIMIT_R] * math.sin(parameters[SHAPE_R] * math.atan(parameters[STIFFNESS_R] * state[SLIP_R]))
+    drag = parameters[DRAG_FACTOR] * speed * speed
+    _, _, load_f, load_r = axle_loads(used_f, used_r, drag, parameters)
+    front, rear = used_f * load_f, used_r * load_r
+    return (front + rear - parameters[ROLLING_FORCE] - drag) / parameters[MASS], front, rear
 
 
 @njit(cache=True)

@@ -34,6 +34,7 @@ FRICTION_OUTPUTS: tuple[Output, ...] = (
     Output("friction_limit_mean_confidence", "1", "1 where enough friction is used to tell the limit, whole car"),
     *_friction("friction_used_front", "friction coefficient in use, front axle", "friction_used", _FRONT),
     *_friction("friction_used_rear", "friction coefficient in use, rear axle", "friction_used", _REAR),
+    *_friction("friction_used_mean", "friction coefficient in use, whole car", "friction_used", _FRONT + _REAR),
     Output("friction_limit_front_filtered", "1", "friction limit after the post-filter, front axle"),
     Output("friction_limit_rear_filtered", "1", "friction limit after the post-filter, rear axle"),
     Output("friction_limit_mean_filtered", "1", "friction limit after the post-filter, whole car"),

@@ -1,9 +1,10 @@
 """Keys of the friction filters; noise defaults of the friction document, 3.6.8 and 3.6.9."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
+from estimators.channels import MOTION_INPUTS, TORQUE_INPUTS
 from signals.quantities import FileModel, parameter
 
 _TABLE = "friction document 3.6.8, 3.6.9"
@@ -27,7 +28,9 @@ class ProcessNoise(FileModel):
     wheel_speed: float | None = parameter(
         "rad/s", None, low=0.0, description="wheel speeds; known 0.1, z1 300, z2 1", source=_TABLE
     )
-    slip: float | None = parameter("1", None, low=0.0, description="slips; known 0.02, z1 1.5, z2 0.05", source=_TABLE)
+    slip: float | None = parameter(
+        "1", None, low=0.0, description="slips; known 0.02, z1 1.5, z2 0.05; in the UKF 0.005", source=_TABLE
+    )
     friction_limit: float | None = parameter(
         "1", None, low=0.0, description="friction limits k0; 0.0015 with torques, 0.002 without", source=_TABLE
     )
@@ -74,6 +77,9 @@ class InitialDeviation(FileModel):
 
 class FrictionSettings(FileModel):
     """Settings that the extended and the unscented friction filter share."""
+
+    # default noise of the slips with torques known, Z1, Z2 (3.6.8, 3.6.9)
+    slip_noise: ClassVar[tuple[float, float, float]] = (0.02, 1.5, 0.05)
 
     torque_mode: Literal["known", "z1", "z2"] = Field(
         default="known",
@@ -138,12 +144,6 @@ class FrictionSettings(FileModel):
         description="while the brakes hold both axles still, the rates of the friction limits die out with it",
         source="assumed",
     )
-    gate: float = parameter(
-        "1",
-        0.0,
-        low=0.0,
-        description="rows whose innovation is above this many standard deviations are left out; 0: none",
-    )
     input_timeout: float = parameter(
         "s", 0.1, low=0.002, high=5.0, description="time without a good sample after which an input is lost"
     )
@@ -158,9 +158,40 @@ class FrictionSettings(FileModel):
     post_filter_window: int = Field(default=51, ge=3, le=1001, description="samples of the running median (3.6.7)")
 
 
+class FrictionUkfSettings(FrictionSettings):
+    """Settings of the unscented Kalman filter for friction.
+
+    Its slip noise is smaller than the EKF's: sigma points around the peak of the tyre curve lie below it, and the friction
+    limit would come out too high by as much.
+    """
+
+    slip_noise: ClassVar[tuple[float, float, float]] = (0.005, 0.005, 0.005)
+
+    torque_mode: Literal["known", "z2"] = Field(
+        default="known",
+        description="known: torques from brake pressures and powertrain; "
+        "z2: torques dropped, wheel speeds and slips as random walks",
+    )
+
+    points: Literal["unscented", "cubature"] = Field(
+        default="unscented", description="sigma points: scaled unscented or third-degree cubature"
+    )
+    alpha: float = parameter(
+        "1", 1.0, low=1e-3, high=2.0, description="spread of the unscented points", source="assumed"
+    )
+    beta: float = parameter("1", 2.0, low=0.0, high=10.0, description="2 for a Gaussian distribution", source="assumed")
+    kappa: float = parameter("1", 0.0, low=-5.0, high=10.0, description="secondary scaling", source="assumed")
+
+
 class FrictionEkfSettings(FrictionSettings):
     """Settings of the extended Kalman filter for friction."""
 
+    gate: float = parameter(
+        "1",
+        0.0,
+        low=0.0,
+        description="rows whose innovation is above this many standard deviations are left out; 0: none",
+    )
     prediction_substeps: int = Field(
         default=1, ge=1, le=50, description="Euler steps per tick in the prediction (3.6.4)"
     )
@@ -170,7 +201,6 @@ class FrictionEkfSettings(FrictionSettings):
 _PROCESS = {
     "speed": (0.0015, 0.0045, 0.0045),
     "wheel_speed": (0.1, 300.0, 1.0),
-    "slip": (0.02, 1.5, 0.05),
     "friction_limit": (0.0015, 0.002, 0.002),
     "friction_limit_rate": (0.01, 0.0005, 0.0005),
 }
@@ -187,9 +217,9 @@ _MODES = ("known", "z1", "z2")
 
 def process_deviations(settings: FrictionSettings) -> tuple[float, ...]:
     """Process noise per step for the nine states."""
-    speed, wheel, slip, limit, rate = (
-        _chosen(getattr(settings.process_noise, name), values, settings) for name, values in _PROCESS.items()
-    )
+    given = settings.process_noise
+    speed, wheel, limit, rate = (_chosen(getattr(given, name), values, settings) for name, values in _PROCESS.items())
+    slip = _chosen(given.slip, settings.slip_noise, settings)
     return (speed, wheel, wheel, slip, slip, limit, rate, limit, rate)
 
 
@@ -230,12 +260,4 @@ def _chosen(given: float | None, defaults: tuple[float, float, float], settings:
 
 def friction_inputs(settings: FrictionSettings) -> tuple[str, ...]:
     """Decoded signals that a friction filter reads."""
-    names = ("longitudinal_acceleration", *(f"wheel_speed_{wheel}" for wheel in ("fl", "fr", "rl", "rr")))
-    if settings.torque_mode != "known":
-        return names
-    return (
-        *names,
-        *(f"brake_pressure_{wheel}" for wheel in ("fl", "fr", "rl", "rr")),
-        "drive_torque_f",
-        "drive_torque_r",
-    )
+    return MOTION_INPUTS + TORQUE_INPUTS if settings.torque_mode == "known" else MOTION_INPUTS

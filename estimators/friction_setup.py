@@ -62,7 +62,6 @@ def friction_tuning(vehicle: Mapping[str, float], settings: FrictionSettings, sa
     values[step.SPEED_ROW_DELAY] = settings.speed_row_delay
     values[step.BRAKING_START] = settings.braking_start
     values[step.PRIOR_LIMIT] = settings.prior_friction_limit
-    values[step.GATE] = settings.gate**2
     values[step.CONFIDENCE_RATIO] = settings.confidence_ratio
     values[step.CONFIDENCE_TIME] = settings.confidence_time
     values[step.POST_FILTER] = _POST_FILTERS[settings.post_filter]

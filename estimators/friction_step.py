@@ -8,10 +8,6 @@ import math
 from numba import njit
 
 from estimators.friction_jacobians import (
-    BRAKE_F,
-    BRAKE_R,
-    DRIVE_F,
-    DRIVE_R,
     MEASUREMENTS,
     ROW_ACCELERATION,
     ROW_LIMIT_F,
@@ -52,6 +48,7 @@ from estimators.friction_outputs import FRICTION_OUTPUTS, POSITION
 from estimators.inputs import FRESH, INPUTS_LOST, VALUE, accept_inputs, forget_inputs
 from estimators.kalman.correction import ROW_MISSING, ROW_USED
 from estimators.kalman.covariance import FloatArray, IntArray
+from estimators.longitudinal_inputs import IN_ACCELERATION, axle_speeds, axle_torques, fresh_axles
 from estimators.post_filter import forget, post_filter
 
 # tuning: one float64 array, the parameters of the model first
@@ -82,10 +79,6 @@ MEASUREMENT_VARIANCE = PROCESS_VARIANCE + STATES
 INITIAL_VARIANCE = MEASUREMENT_VARIANCE + MEASUREMENTS
 TUNING_SIZE = INITIAL_VARIANCE + STATES
 
-# rows of the input guard
-IN_ACCELERATION, IN_WHEEL_FL, IN_WHEEL_FR, IN_WHEEL_RL, IN_WHEEL_RR = range(5)
-IN_PRESSURE_FL, IN_PRESSURE_FR, IN_PRESSURE_RL, IN_PRESSURE_RR, IN_DRIVE_F, IN_DRIVE_R = range(5, 11)
-
 # status: one float64 array, then the memories of three post-filters
 ACTIVE, RESETS, CONFIDENT_F, CONFIDENT_R, CONFIDENT_M, INPUT_STATE, INNOVATION, SPEED_ROW_WAIT = range(8)
 STATUS_SIZE = 8
@@ -103,6 +96,7 @@ OUT_RATE_R = POSITION["friction_limit_rate_rear"]
 OUT_LIMIT_M = POSITION["friction_limit_mean"]
 OUT_USED_F = POSITION["friction_used_front"]
 OUT_USED_R = POSITION["friction_used_rear"]
+OUT_USED_M = POSITION["friction_used_mean"]
 OUT_FILTERED = POSITION["friction_limit_front_filtered"]
 OUT_INNOVATION = POSITION["innovation"]
 OUTPUTS = len(FRICTION_OUTPUTS)
@@ -128,7 +122,7 @@ def begin_tick(
     """
     verdict = accept_inputs(guard, positions, inputs, ages, tuning[SAMPLE_TIME])
     status[INPUT_STATE] = verdict
-    wheel_f, wheel_r = _axle_speeds(guard)
+    wheel_f, wheel_r = axle_speeds(guard)
     rim_f, rim_r = tuning[RADIUS_F] * wheel_f, tuning[RADIUS_R] * wheel_r
     slowest = min(rim_f, rim_r)
     threshold = tuning[MINIMUM_SPEED]
@@ -188,32 +182,14 @@ def forget_everything(
 
 
 @njit(cache=True)
-def _axle_speeds(guard: FloatArray) -> tuple[float, float]:
-    """Mean wheel speed of the front and of the rear axle."""
-    front = 0.5 * (guard[IN_WHEEL_FL, VALUE] + guard[IN_WHEEL_FR, VALUE])
-    rear = 0.5 * (guard[IN_WHEEL_RL, VALUE] + guard[IN_WHEEL_RR, VALUE])
-    return front, rear
-
-
-@njit(cache=True)
-def axle_torques(guard: FloatArray, tuning: FloatArray, torques: FloatArray) -> None:
-    """Drive torque and brake torque of each axle [N m].
-
-    The axle's torque is the sum over its two wheels (2.4.3), so the pressures of an axle are added.
-    """
+def read_torques(guard: FloatArray, tuning: FloatArray, torques: FloatArray) -> None:
+    """Axle torques of this tick, zero in the modes without torques."""
+    if tuning[TORQUE_KNOWN] > 0.0:
+        capacity = tuning[BRAKE_IS_CAPACITY] > 0.0
+        axle_torques(guard, tuning[BRAKE_GAIN_F], tuning[BRAKE_GAIN_R], capacity, torques)
+        return
     for k in range(4):
         torques[k] = 0.0
-    if tuning[TORQUE_KNOWN] == 0.0:
-        return
-    torques[DRIVE_F] = guard[IN_DRIVE_F, VALUE]
-    torques[DRIVE_R] = guard[IN_DRIVE_R, VALUE]
-    brake_f = tuning[BRAKE_GAIN_F] * max(0.0, guard[IN_PRESSURE_FL, VALUE] + guard[IN_PRESSURE_FR, VALUE])
-    brake_r = tuning[BRAKE_GAIN_R] * max(0.0, guard[IN_PRESSURE_RL, VALUE] + guard[IN_PRESSURE_RR, VALUE])
-    if tuning[BRAKE_IS_CAPACITY] > 0.0:
-        torques[BRAKE_F], torques[BRAKE_R] = brake_f, brake_r
-    else:
-        torques[DRIVE_F] -= brake_f
-        torques[DRIVE_R] -= brake_r
 
 
 @njit(cache=True)
@@ -236,7 +212,7 @@ def build_measurement(
     rows : array of int, shape (8,)
         Filled with ``ROW_USED`` or ``ROW_MISSING``.
     """
-    front, rear = _axle_speeds(guard)
+    front, rear = axle_speeds(guard)
     acceleration = guard[IN_ACCELERATION, VALUE]
     measured[ROW_ACCELERATION] = acceleration
     measured[ROW_WHEEL_F], measured[ROW_WHEEL_R] = front, rear
@@ -252,9 +228,10 @@ def build_measurement(
         return
     if guard[IN_ACCELERATION, FRESH] == 0.0:
         rows[ROW_ACCELERATION] = ROW_MISSING
-    if guard[IN_WHEEL_FL, FRESH] * guard[IN_WHEEL_FR, FRESH] == 0.0:
+    fresh_f, fresh_r = fresh_axles(guard)
+    if not fresh_f:
         rows[ROW_WHEEL_F] = ROW_MISSING
-    if guard[IN_WHEEL_RL, FRESH] * guard[IN_WHEEL_RR, FRESH] == 0.0:
+    if not fresh_r:
         rows[ROW_WHEEL_R] = ROW_MISSING
 
 
@@ -301,10 +278,14 @@ def write_outputs(
         + 2.0 * share * (1.0 - share) * covariance[LIMIT_F, LIMIT_R]
         + (1.0 - share) * (1.0 - share) * covariance[LIMIT_R, LIMIT_R]
     )
-    out[OUT_USED_F] = used_f
-    out[OUT_USED_F + 1] = _used_deviation(state, covariance, LIMIT_F, SLIP_F, tuning[SHAPE_F], tuning[STIFFNESS_F])
-    out[OUT_USED_R] = used_r
-    out[OUT_USED_R + 1] = _used_deviation(state, covariance, LIMIT_R, SLIP_R, tuning[SHAPE_R], tuning[STIFFNESS_R])
+    curve_f, slope_f = _curve(state[LIMIT_F], state[SLIP_F], tuning[SHAPE_F], tuning[STIFFNESS_F])
+    curve_r, slope_r = _curve(state[LIMIT_R], state[SLIP_R], tuning[SHAPE_R], tuning[STIFFNESS_R])
+    out[OUT_USED_F], out[OUT_USED_R], out[OUT_USED_M] = used_f, used_r, used
+    out[OUT_USED_F + 1] = _used_deviation(covariance, curve_f, slope_f, 0.0, 0.0)
+    out[OUT_USED_R + 1] = _used_deviation(covariance, 0.0, 0.0, curve_r, slope_r)
+    out[OUT_USED_M + 1] = _used_deviation(
+        covariance, share * curve_f, share * slope_f, (1.0 - share) * curve_r, (1.0 - share) * slope_r
+    )
     out[OUT_LIMIT_F + 2] = _confident(status, CONFIDENT_F, running, used_f, state[LIMIT_F], tuning)
     out[OUT_LIMIT_R + 2] = _confident(status, CONFIDENT_R, running, used_r, state[LIMIT_R], tuning)
     out[OUT_LIMIT_M + 2] = _confident(status, CONFIDENT_M, running, used, limit, tuning)
@@ -329,18 +310,26 @@ def _confident(status: FloatArray, timer: int, running: bool, used: float, limit
 
 
 @njit(cache=True)
-def _used_deviation(
-    state: FloatArray, covariance: FloatArray, limit: int, slip: int, shape: float, stiffness: float
-) -> float:
-    scaled = stiffness * state[slip]
+def _curve(limit: float, slip: float, shape: float, stiffness: float) -> tuple[float, float]:
+    """Derivatives of the friction in use by the friction limit and by the slip."""
+    scaled = stiffness * slip
     angle = shape * math.atan(scaled)
-    by_limit = math.sin(angle)
-    by_slip = state[limit] * shape * stiffness * math.cos(angle) / (1.0 + scaled * scaled)
-    return _root(
-        by_limit * by_limit * covariance[limit, limit]
-        + 2.0 * by_limit * by_slip * covariance[limit, slip]
-        + by_slip * by_slip * covariance[slip, slip]
-    )
+    return math.sin(angle), limit * shape * stiffness * math.cos(angle) / (1.0 + scaled * scaled)
+
+
+@njit(cache=True)
+def _used_deviation(
+    covariance: FloatArray, by_limit_f: float, by_slip_f: float, by_limit_r: float, by_slip_r: float
+) -> float:
+    """Standard deviation of a function of limits and slips with these derivatives."""
+    p = covariance
+    front = by_limit_f * by_limit_f * p[LIMIT_F, LIMIT_F] + by_slip_f * by_slip_f * p[SLIP_F, SLIP_F]
+    front += 2.0 * by_limit_f * by_slip_f * p[LIMIT_F, SLIP_F]
+    rear = by_limit_r * by_limit_r * p[LIMIT_R, LIMIT_R] + by_slip_r * by_slip_r * p[SLIP_R, SLIP_R]
+    rear += 2.0 * by_limit_r * by_slip_r * p[LIMIT_R, SLIP_R]
+    both = by_limit_f * (by_limit_r * p[LIMIT_F, LIMIT_R] + by_slip_r * p[LIMIT_F, SLIP_R])
+    both += by_slip_f * (by_limit_r * p[SLIP_F, LIMIT_R] + by_slip_r * p[SLIP_F, SLIP_R])
+    return _root(front + rear + 2.0 * both)
 
 
 @njit(cache=True)

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from estimators.description import Description
 from estimators.friction_outputs import FRICTION_OUTPUTS
-from estimators.friction_settings import FrictionEkfSettings, friction_inputs
+from estimators.friction_settings import FrictionEkfSettings, FrictionUkfSettings, friction_inputs
 from signals.errors import InputError, nearest_name, unknown_name
 from signals.quantities import FileModel
 
@@ -28,6 +28,15 @@ def _registry() -> dict[str, Description]:
             inputs=friction_inputs,
             outputs=FRICTION_OUTPUTS,
             implementation="estimators.friction_ekf:FrictionEkf",
+        ),
+        Description(
+            name="friction_ukf",
+            summary="the same by an unscented or cubature Kalman filter",
+            source="friction document, section 3.8",
+            settings=FrictionUkfSettings,
+            inputs=friction_inputs,
+            outputs=FRICTION_OUTPUTS,
+            implementation="estimators.friction_ukf:FrictionUkf",
         ),
     )
     return {entry.name: entry for entry in entries}
