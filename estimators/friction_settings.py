@@ -161,8 +161,8 @@ class FrictionSettings(FileModel):
 class FrictionUkfSettings(FrictionSettings):
     """Settings of the unscented Kalman filter for friction.
 
-    Its slip noise is smaller than the EKF's: sigma points around the peak of the tyre curve lie below it, and the friction
-    limit would come out too high by as much.
+    Its slip noise is smaller than the EKF's: sigma points around the peak of the tyre curve lie below it, and the
+    friction limit would come out too high by as much.
     """
 
     slip_noise: ClassVar[tuple[float, float, float]] = (0.005, 0.005, 0.005)

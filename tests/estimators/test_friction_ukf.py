@@ -1,14 +1,15 @@
 """The unscented friction filter meets the figures of the EKF and agrees with an independent library."""
 
-import estimators
 import friction_twin as twin
 import numpy as np
 import pytest
+from filterpy.kalman import MerweScaledSigmaPoints, UnscentedKalmanFilter
+from friction_figures import Estimate, stop
+
+import estimators
 from estimators.friction_settings import initial_deviations, measurement_deviations, process_deviations
 from estimators.friction_setup import friction_tuning
 from estimators.friction_ukf import measure_point, step_point
-from filterpy.kalman import MerweScaledSigmaPoints, UnscentedKalmanFilter
-from friction_figures import Estimate, stop
 
 WHEELS = ("fl", "fr", "rl", "rr")
 each_path = pytest.mark.parametrize("path", ["ideal", "bus"])
