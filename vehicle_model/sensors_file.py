@@ -1,5 +1,9 @@
 """Section of a vehicle file that describes the sensors."""
 
+from typing import Literal
+
+from pydantic import Field
+
 from signals.quantities import FileModel, parameter
 
 _ASSUMED = "assumed: usual for a series sensor"
@@ -20,6 +24,12 @@ class WheelSpeedSensors(FileModel):
     )
     timer_resolution: float = parameter(
         "s", 1e-6, low=0.0, high=1e-3, neutral=0.0, description="of the edge's time stamp", source=_ASSUMED
+    )
+    window: float = parameter(
+        "s", 0.005, low=0.001, high=0.1, description="over which edges are counted for the speed", source=_ASSUMED
+    )
+    standstill_timeout: float = parameter(
+        "s", 0.3, low=0.01, high=5.0, description="without an edge after which the speed is zero", source=_ASSUMED
     )
 
 
@@ -107,6 +117,11 @@ class InertialUnit(FileModel):
 class Sensors(FileModel):
     """Every sensor of the car; what the file leaves out is ideal."""
 
+    acceleration_source: Literal["sensor", "noise_free", "ideal"] = Field(
+        default="sensor",
+        description="of longitudinal_acceleration: the sensor with all its errors; without noise, offset, scale, "
+        "resolution and delay; the centre of gravity's acceleration itself, without filter and gravity",
+    )
     wheel_speed: WheelSpeedSensors = WheelSpeedSensors()
     inertial: InertialUnit = InertialUnit()
     longitudinal_acceleration: AccelerationSensor = AccelerationSensor()
@@ -119,3 +134,6 @@ class Sensors(FileModel):
     brake_pressure: PressureSensor = PressureSensor()
     pedal_force: ForceSensor = ForceSensor()
     steering_wheel_angle: AngleSensor = AngleSensor()
+    brake_switch_force: float = parameter(
+        "N", 5.0, low=0.0, high=200.0, description="pedal force at which the switch closes", source=_ASSUMED
+    )
