@@ -5,10 +5,9 @@ file. The folder's name is therefore a hash of all package sources and of the ve
 change starts an empty cache, and an unchanged tree finds a warm one in every process.
 """
 
-import hashlib
 import os
 import sys
-from importlib.metadata import PackageNotFoundError, version
+from importlib.abc import MetaPathFinder
 from pathlib import Path
 
 PACKAGES = (
@@ -25,6 +24,9 @@ COMPILERS = ("numba", "llvmlite", "numpy", "mujoco")
 
 def source_hash(root: Path) -> str:
     """Hash of all Python sources of the packages under ``root`` and of the compiler versions."""
+    import hashlib
+    from importlib.metadata import PackageNotFoundError, version
+
     digest = hashlib.sha256(sys.version.encode())
     for name in COMPILERS:
         try:
@@ -44,17 +46,33 @@ def cache_root() -> Path:
     return Path(base) / "brake-control-bench"
 
 
-def prepare_compile_cache() -> Path:
-    """Set ``NUMBA_CACHE_DIR``; packages with compiled code call this before they import numba.
+def prepare_compile_cache() -> None:
+    """Have ``NUMBA_CACHE_DIR`` set when numba is imported; packages with compiled code call this in their ``__init__``.
 
-    A folder that is already set in the environment is respected, so that child processes share their parent's. Where
-    somebody imported numba before, its setting is changed too: it reads the variable once, at its import.
+    Hashing the sources takes 50 ms, so it is left until something really imports numba: commands that compile nothing
+    do not pay. A folder that is already set in the environment is respected, so that child processes share their
+    parent's. Where somebody imported numba before, its setting is changed too: it reads the variable once, at its
+    import.
     """
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    if chosen:
-        return Path(chosen)
-    folder = cache_root() / "compiled" / source_hash(Path(__file__).resolve().parent.parent)
-    os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    if os.environ.get("NUMBA_CACHE_DIR"):
+        return
     if "numba" in sys.modules:
-        sys.modules["numba"].config.CACHE_DIR = str(folder)
-    return folder
+        sys.modules["numba"].config.CACHE_DIR = _set_folder()
+    elif not any(isinstance(finder, _BeforeNumba) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _BeforeNumba())
+
+
+class _BeforeNumba(MetaPathFinder):
+    """Finds nothing itself; sees the import of numba first and sets its cache folder."""
+
+    def find_spec(self, fullname: str, path: object = None, target: object = None) -> None:
+        """Called for every import that is not yet loaded."""
+        if fullname == "numba":
+            sys.meta_path.remove(self)
+            _set_folder()
+
+
+def _set_folder() -> str:
+    folder = str(cache_root() / "compiled" / source_hash(Path(__file__).resolve().parent.parent))
+    os.environ.setdefault("NUMBA_CACHE_DIR", folder)
+    return os.environ["NUMBA_CACHE_DIR"]

@@ -28,15 +28,15 @@ _JOINED = {"criteria": "id", "stimuli": "name", "valid_if": ""}
 Sets = Sequence[str] | Mapping[str, Any]
 
 
-def read_document(path: Path, seen: tuple[Path, ...] = ()) -> Document:
-    """A scenario file laid over the files that it includes.
+def read_document(path: Path, seen: tuple[Path, ...] = (), *, loaded: Document | None = None) -> Document:
+    """A scenario file laid over the files that it includes; ``loaded`` is the file itself if it is already read.
 
     Raises
     ------
     InputError
         If a file cannot be read or is no YAML, or a file includes itself.
     """
-    document = load_yaml(path)
+    document = loaded or load_yaml(path)
     if not isinstance(document.data, dict):
         return document
     includes = document.data.pop("include", [])

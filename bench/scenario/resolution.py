@@ -113,9 +113,16 @@ def resolve_document(document: Document, path: Path, sets: Sets = (), *, variant
     return _Resolver(document).resolved()
 
 
+def check_part(document: Document, path: Path) -> None:
+    """Check a file that is no scenario by itself but is included by others; what refers to phases is left out."""
+    part = Document(document.file, {**document.data, "manoeuvre": _PLACEHOLDER_STEPS}, document.keys, document.values)
+    _Resolver(part, knows_phases=False).resolved()
+
+
 class _Resolver:
-    def __init__(self, document: Document) -> None:
+    def __init__(self, document: Document, *, knows_phases: bool = True) -> None:
         self.document = document
+        self.knows_phases = knows_phases
         self.context = checks.Context(document)
 
     def resolved(self) -> ScenarioFile:
@@ -188,7 +195,7 @@ class _Resolver:
             self.context.faults += error.faults
             scenario = self._without(error.faults)
         else:
-            self.context.phases = scenario.manoeuvre.phase_names
+            self.context.phases = scenario.manoeuvre.phase_names if self.knows_phases else None
         self._check_surfaces(scenario)
         return scenario
 
