@@ -22,8 +22,8 @@ class ValidIf(FileModel):
     """A condition without which a verdict means nothing: the criterion is then inconclusive."""
 
     expression: str = Field(description="condition over signals and metrics, e.g. max(abs_cycles) >= 3")
-    phase: str | None = Field(None, description="phase over which it is taken; default: the whole run")
-    reason: str = Field("", description="what to say when it does not hold")
+    phase: str | None = Field(default=None, description="phase over which it is taken; default: the whole run")
+    reason: str = Field(default="", description="what to say when it does not hold")
 
 
 def _condition_list(value: Any) -> Any:
@@ -38,23 +38,27 @@ class Criterion(FileModel):
     """One line of the verdict table."""
 
     id: str = Field(pattern=r"^[\w.\-/]+$", description="name in the verdict table")
-    requirement: str = Field("", description="requirement or clause that the limits stand for")
-    description: str = Field("", description="one line for people")
+    requirement: str = Field(default="", description="requirement or clause that the limits stand for")
+    description: str = Field(default="", description="one line for people")
     value: str = Field(description="expression over signals and metrics in SI units, or the name of a metric")
-    phase: str | None = Field(None, description="run, brake, braking or a step of the manoeuvre")
-    unit: str | None = Field(None, description="SI unit of the value, where it does not follow from the expression")
-    at_least: float | str | None = Field(None, description="lower limit, in SI units or with its unit")
-    at_most: float | str | None = Field(None, description="upper limit, in SI units or with its unit")
-    parameters: dict[str, float | str] = Field({}, description="parameters of the metric, e.g. above_speed: 15 km/h")
-    valid_if: ValidIfList = Field([], description="conditions without which the verdict is inconclusive")
+    phase: str | None = Field(default=None, description="run, brake, braking or a step of the manoeuvre")
+    unit: str | None = Field(
+        default=None, description="SI unit of the value, where it does not follow from the expression"
+    )
+    at_least: float | str | None = Field(default=None, description="lower limit, in SI units or with its unit")
+    at_most: float | str | None = Field(default=None, description="upper limit, in SI units or with its unit")
+    parameters: dict[str, float | str] = Field(
+        default={}, description="parameters of the metric, e.g. above_speed: 15 km/h"
+    )
+    valid_if: ValidIfList = Field(default=[], description="conditions without which the verdict is inconclusive")
 
 
 class CriteriaFile(FileModel):
     """File for ``bench judge RUN --criteria FILE``: the ``criteria`` section of a scenario by itself."""
 
-    format: int = Field(1, ge=1, le=1)
+    format: int = Field(default=1, ge=1, le=1)
     criteria: list[Criterion]
-    valid_if: ValidIfList = Field([], description="conditions that hold for all criteria")
+    valid_if: ValidIfList = Field(default=[], description="conditions that hold for all criteria")
 
 
 @dataclass(frozen=True)
