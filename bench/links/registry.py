@@ -4,6 +4,13 @@
 ``slcan:/dev/ttyUSB0[@500000[,115200]]`` · ``IFACE:CHANNEL[@500000]`` for any other interface of python-can.
 """
 
+from bench.links.available import (
+    draw_group_and_port,
+    draw_two_ports,
+    interface_is_up,
+    kernel_has_can,
+    multicast_works,
+)
 from bench.links.interface import Link
 from signals.errors import InputError, nearest_name
 
@@ -50,9 +57,6 @@ def open_link(text: str, *, role: str) -> Link:
 
 def default_link_text() -> str:
     """The best link that this machine has: vcan0, else UDP multicast, else UDP on two ports of loopback."""
-    from bench.links.socketcan import interface_is_up, kernel_has_can
-    from bench.links.udp import draw_group_and_port, draw_two_ports, multicast_works
-
     if interface_is_up("vcan0") and kernel_has_can():
         return "socketcan:vcan0"
     if multicast_works():
@@ -73,7 +77,7 @@ def _number(text: str, part: str) -> int:
 
 
 def _open_udp(text: str, rest: str, role: str) -> Link:
-    from bench.links.udp import draw_group_and_port, open_multicast
+    from bench.links.udp import open_multicast
 
     if not rest:
         return open_multicast(*draw_group_and_port(), role)
@@ -82,7 +86,7 @@ def _open_udp(text: str, rest: str, role: str) -> Link:
 
 
 def _open_udp_loopback(text: str, rest: str, role: str) -> Link:
-    from bench.links.udp import draw_two_ports, open_loopback
+    from bench.links.udp import open_loopback
 
     if not rest:
         return open_loopback(*draw_two_ports(), role)

@@ -8,12 +8,12 @@ back (CAN_RAW_RECV_OWN_MSGS stays off), those of other processes of this machine
 import errno
 import re
 import socket
-from pathlib import Path
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from bench.links.available import interface_is_up, is_virtual
 from bench.links.frame import BIT_RATE_SWITCH, ERROR, EXTENDED, FD, FD_LENGTHS, REMOTE, new_frames
 from bench.links.interface import Link, Poller
 from bench.links.kernel_receive import (
@@ -232,30 +232,6 @@ class SocketCanLink(Link):
         """Close the sockets."""
         for channel in self._channels:
             channel.socket.close()
-
-
-def is_virtual(interface: str) -> bool:
-    """Whether an interface is a virtual CAN bus (vcan, vxcan), where frames take no time on a wire."""
-    path = Path("/sys/class/net") / interface
-    return re.match(r"vx?can", interface) is not None and "/virtual/" in str(path.resolve())
-
-
-def interface_is_up(interface: str) -> bool:
-    """Whether a network interface exists and is up."""
-    try:
-        flags = int((Path("/sys/class/net") / interface / "flags").read_text(), 16)
-    except (OSError, ValueError):
-        return False
-    return bool(flags & 1)
-
-
-def kernel_has_can() -> bool:
-    """Whether this kernel knows AF_CAN and lets this process use it."""
-    try:
-        socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW).close()
-    except OSError:
-        return False
-    return True
 
 
 def _open_socket(name: str) -> socket.socket:

@@ -6,13 +6,13 @@ joins two ports of 127.0.0.1; ``can.Bus(interface="udp_loopback", channel="OWN:P
 """
 
 import ipaddress
-import random
 import socket
 import time
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.links.available import MULTICAST_ROUTE, aim_at_group, join_group
 from bench.links.frame import new_frames
 from bench.links.interface import Link, Poller
 from bench.links.kernel_receive import (
@@ -26,7 +26,6 @@ from bench.links.message_pack import SLOT_BYTES, pack_frames, stamp_bytes, unpac
 from signals.errors import InputError, LinkError
 
 BATCH = 64
-MULTICAST_ROUTE = "sudo ip link set lo multicast on && sudo ip route add 239.0.0.0/8 dev lo"
 
 Address = tuple[str, int]
 
@@ -153,12 +152,6 @@ class DatagramLink(Link):
         self._receiver.close()
 
 
-def draw_group_and_port() -> tuple[str, int]:
-    """A multicast group of the organisation-local scope (RFC 2365) and a port for one run."""
-    group = ipaddress.IPv4Address("239.192.0.0") + random.SystemRandom().randrange(1, 1 << 18)
-    return str(group), random.SystemRandom().randrange(20_000, 32_000)
-
-
 def open_multicast(group: str, port: int, role: str) -> DatagramLink:
     """Join a multicast bus.
 
@@ -178,13 +171,8 @@ def open_multicast(group: str, port: int, role: str) -> DatagramLink:
         raise InputError(f"link {text}: no multicast group and port", allowed="udp:239.192.0.1:20000 or just udp")
     sender, receiver = _two_sockets()
     try:
-        sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
-        sender.connect((group, port))
-        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
-        receiver.bind((group, port))
-        membership = socket.inet_aton(group) + socket.inet_aton("0.0.0.0")
-        receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+        aim_at_group(sender, group, port)
+        join_group(receiver, group, port)
     except OSError as error:
         sender.close()
         receiver.close()
@@ -193,29 +181,6 @@ def open_multicast(group: str, port: int, role: str) -> DatagramLink:
             mend=f"add a route: {MULTICAST_ROUTE}\nor run without: --link udp_loopback",
         ) from error
     return DatagramLink("udp", text, f"{group}:{port}", role, sender, receiver)
-
-
-def multicast_works() -> bool:
-    """Whether a datagram to a group comes back on this machine."""
-    try:
-        with open_multicast(*draw_group_and_port(), "bench") as link:
-            link.send(new_frames(1), 1)
-            link.wait(0.2)
-            link.receive(new_frames(1))
-            return link.statistics()["own_echoes"] == 1
-    except LinkError:
-        return False
-
-
-def draw_two_ports() -> tuple[int, int]:
-    """Two free ports of 127.0.0.1."""
-    with (
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one,
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as two,
-    ):
-        one.bind(("127.0.0.1", 0))
-        two.bind(("127.0.0.1", 0))
-        return one.getsockname()[1], two.getsockname()[1]
 
 
 def open_loopback(bench_port: int, ecu_port: int, role: str) -> DatagramLink:

@@ -5,10 +5,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.links.frame import OPAQUE_DTYPE, new_frames
+from bench.links.frame import OPAQUE_DTYPE, TRANSMITTED, new_frames
 from bench.links.interface import Link
 
 CAPACITY_FRAMES = 8192
+_NOT_TRANSMITTED = 255 - TRANSMITTED
 
 _buses: dict[str, list["VirtualLink"]] = {}
 
@@ -60,6 +61,7 @@ class VirtualLink(Link):
         self._opaque[: waiting - count] = self._opaque[count:waiting]
         self._waiting = waiting - count
         self._received += count
+        into["flags"][start : start + count] &= _NOT_TRANSMITTED
         return count
 
     def wait(self, timeout_s: float) -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.links.socketcan import kernel_has_can
+from bench.links.available import kernel_has_can
 
 LAUNCHER = Path(__file__).parents[2] / "ci" / "can_kernel"
 

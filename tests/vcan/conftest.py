@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.links.socketcan import interface_is_up, kernel_has_can
+from bench.links.available import interface_is_up, kernel_has_can
 
 HERE = Path(__file__).parent
 

@@ -11,9 +11,9 @@ import tty
 import numpy as np
 import pytest
 
+from bench.links.available import interface_is_up
 from bench.links.frame import EXTENDED, REMOTE, make_frame, new_frames, payload
 from bench.links.registry import open_link
-from bench.links.socketcan import interface_is_up
 
 
 class NullModem:

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bench.links.available import MULTICAST_ROUTE, multicast_works
 from bench.links.barrier import BarrierClient, BarrierServer, PeerLost, PeerSilent
 from bench.links.frame import BENCH, FOREIGN, make_frame, new_frames
 from bench.links.registry import open_link
-from bench.links.udp import MULTICAST_ROUTE, multicast_works
 from bench.links.virtual import VirtualLink
 from signals.errors import LinkError, RunError
 

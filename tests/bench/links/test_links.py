@@ -4,11 +4,11 @@ import can
 import numpy as np
 import pytest
 
+from bench.links.available import interface_is_up, kernel_has_can
 from bench.links.frame import BENCH, ECU, make_frame, new_frames, payload
 from bench.links.kernel_receive import HardwareClock
 from bench.links.python_can import PythonCanLink
 from bench.links.registry import default_link_text, open_link
-from bench.links.socketcan import interface_is_up, kernel_has_can
 from bench.links.virtual import CAPACITY_FRAMES
 from signals.errors import InputError, LinkError
 
@@ -113,8 +113,8 @@ def test_default_link_can_be_opened_by_both_sides() -> None:
 
 
 def test_without_multicast_the_default_is_loopback(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("bench.links.udp.multicast_works", lambda: False)
-    monkeypatch.setattr("bench.links.socketcan.kernel_has_can", lambda: False)
+    monkeypatch.setattr("bench.links.registry.multicast_works", lambda: False)
+    monkeypatch.setattr("bench.links.registry.kernel_has_can", lambda: False)
     assert default_link_text().startswith("udp_loopback:")
 
 

@@ -4,10 +4,10 @@ import can
 import numpy as np
 import pytest
 
+from bench.links.available import MULTICAST_ROUTE, multicast_works
 from bench.links.frame import BIT_RATE_SWITCH, ECU, ERROR, EXTENDED, FD, REMOTE, make_frame, new_frames, payload
 from bench.links.interface import Link
 from bench.links.registry import open_link
-from bench.links.udp import MULTICAST_ROUTE, multicast_works
 from bench.links.udp_loopback_bus import UdpLoopbackBus
 from signals.errors import LinkError
 
