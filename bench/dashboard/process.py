@@ -57,10 +57,10 @@ def _open_when_there(ring: Path, run_alive: Callable[[], bool]) -> RingReader:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """``python -m bench.dashboard.process --ring PATH --parent PID``; ends with the run or with its parent."""
-    parser = argparse.ArgumentParser(prog="bench.dashboard.process", description="dashboard of a run")
-    parser.add_argument("--ring", type=Path, required=True, help="file of the run's ring")
-    parser.add_argument("--parent", type=int, required=True, help="process that owns the run")
+    """``python -m bench.dashboard RING [--parent PID]``; ends with the run or with its parent."""
+    parser = argparse.ArgumentParser(prog="bench.dashboard", description="dashboard of a run")
+    parser.add_argument("ring", type=Path, help="file of the run's ring")
+    parser.add_argument("--parent", type=int, default=os.getppid(), help="process that owns the run")
     options = parser.parse_args(arguments)
     # Ctrl-C reaches every process of the terminal; the run decides when it ends, and closes the ring
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -72,7 +72,3 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         return 0  # nobody reads the lines any more; the run goes on
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

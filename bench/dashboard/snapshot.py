@@ -13,6 +13,8 @@ FloatArray = NDArray[np.float64]
 
 KMH, BAR, DEGREES, MICROSECONDS = 3.6, 1e-5, 180.0 / np.pi, 1e6
 HISTORY = 240
+FAST_M_S = 4.0
+USUAL_RADIUS_M = 0.3  # until the car has been fast enough to tell
 HISTORY_STEP_S = 0.05
 
 _LOWEST_US, _HIGHEST_US, _PER_DECADE = 0.01, 1e7, 24
@@ -116,6 +118,7 @@ class RunView:
         ]
         self._lateness, self._cpu = Percentiles(), Percentiles()
         self._last_pressure: tuple[float, ...] = ()
+        self._radius = [USUAL_RADIUS_M] * len(WHEELS)
         self._history: list[float] = []
         self._next_history_s = 0.0
         self.highest_speed_kmh = 1.0
@@ -190,12 +193,16 @@ class RunView:
         return self.phase_names[index] if 0 <= index < len(self.phase_names) else ""
 
     def _rim_speeds(self, row: FloatArray) -> tuple[float, ...]:
-        """Speed of the wheels' circumference from slip and centre speed: R ω = v (1 + slip), driving v/(1 - slip)."""
-        centres, slips = self._wheels(row, "wheel_centre_speed", KMH), self._wheels(row, "slip_ratio", 1.0)
-        return tuple(
-            centre * (1.0 + slip) if slip <= 0.0 else centre / max(1.0 - slip, 1e-3)
-            for centre, slip in zip(centres, slips, strict=False)
-        )
+        """Speed of the wheels' circumference R ω; the radius R comes from the slip while the car is fast.
+
+        Slip is (R ω - v)/max(R ω, v), so R ω = v (1 + slip) while braking and v/(1 - slip) while driving.
+        """
+        speeds = self._wheels(row, "true_wheel_speed", 1.0)
+        centres, slips = self._wheels(row, "wheel_centre_speed", 1.0), self._wheels(row, "slip_ratio", 1.0)
+        for wheel, (speed, centre, slip) in enumerate(zip(speeds, centres, slips, strict=False)):
+            if centre > FAST_M_S and speed > 1.0 and abs(slip) < 0.5:
+                self._radius[wheel] = (centre * (1.0 + slip) if slip <= 0.0 else centre / (1.0 - slip)) / speed
+        return tuple(speed * radius * KMH for speed, radius in zip(speeds, self._radius, strict=False))
 
     def _valves(self, row: FloatArray) -> tuple[str, ...]:
         inlet, outlet = self._wheels(row, "valve_inlet", 1.0), self._wheels(row, "valve_outlet", 1.0)

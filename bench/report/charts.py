@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.report.thinning import Thinned, thin
+from bench.report.thinning import Thinned, thin_about
 
 LaneSegment = tuple[float, float, str] | tuple[float, float, str, str]
 
@@ -42,10 +42,11 @@ class State:
 
 @dataclass(frozen=True)
 class Strip:
-    """Band of states under a line chart."""
+    """Band of states under a line chart; ``colour`` is that of the curve it belongs to."""
 
     label: str
     segments: Sequence[LaneSegment]
+    colour: str = ""
 
 
 @dataclass(frozen=True)
@@ -141,17 +142,20 @@ class ChartBook:
     ----------
     span : (float, float)
         Time range of the page, in s.
+    focus : (float, float), optional
+        Range that is shown first and drawn most finely.
     """
 
-    def __init__(self, span: tuple[float, float]) -> None:
+    def __init__(self, span: tuple[float, float], focus: tuple[float, float] | None = None) -> None:
         self.span = span
+        self.focus = focus
         self.sections: list[tuple[str, list[Chart]]] = []
-        self._signals: dict[str, Thinned] = {}
+        self._signals: dict[str, list[Thinned]] = {}
 
     def add_signal(self, name: str, time: NDArray[np.float64], values: NDArray[np.float64]) -> str:
         """Keep a signal, in the unit that is shown, and return the name under which charts refer to it."""
         if name not in self._signals:
-            self._signals[name] = thin(time, values)
+            self._signals[name] = thin_about(time, values, self.focus)
         return name
 
     def add_section(self, title: str, charts: Sequence[Chart | None]) -> None:
@@ -168,7 +172,8 @@ class ChartBook:
         """Data of the page's script."""
         return {
             "span": list(self.span),
+            "focus": list(self.focus or self.span),
             "steps": list(steps),
-            "signals": {name: signal.inline() for name, signal in self._signals.items()},
+            "signals": {name: [piece.inline() for piece in pieces] for name, pieces in self._signals.items()},
             "charts": [asdict(chart) for chart in self.charts()],
         }

@@ -23,6 +23,8 @@ class CriterionRow:
         Texts of the columns; empty where the verdict has none. ``wheels`` are the four values of a value per wheel.
     used : float or None
         Share of the limit that is used, 0 to 1, for the gauge.
+    informative : bool
+        A figure without limits: it is told, not judged.
     """
 
     verdict: str
@@ -38,21 +40,22 @@ class CriterionRow:
     reason: str
     source: str
     used: float | None
+    informative: bool
 
 
 def criterion_rows(verdict: Mapping[str, Any]) -> list[CriterionRow]:
-    """Rows of ``verdict.json``, the worst verdict first, otherwise in the file's order."""
+    """Rows of ``verdict.json``, the worst verdict first, figures without limits last, otherwise in the file's order."""
     rows = [_row(criterion) for criterion in verdict.get("criteria", [])]
-    return sorted(rows, key=lambda row: -_rank(row.verdict))
+    return sorted(rows, key=lambda row: (-_rank(row.verdict), row.informative))
 
 
 def tally(verdict: Mapping[str, Any]) -> str:
     """``12 criteria: 11 pass, 1 fail``."""
-    verdicts = [str(criterion.get("verdict", "error")) for criterion in verdict.get("criteria", [])]
-    if not verdicts:
+    judged = [row.verdict for row in criterion_rows(verdict) if not row.informative]
+    if not judged:
         return "no criteria"
-    counts = [f"{verdicts.count(name)} {name}" for name in VERDICT_ORDER if name in verdicts]
-    return f"{len(verdicts)} {'criterion' if len(verdicts) == 1 else 'criteria'}: {', '.join(counts)}"
+    counts = [f"{judged.count(name)} {name}" for name in VERDICT_ORDER if name in judged]
+    return f"{len(judged)} {'criterion' if len(judged) == 1 else 'criteria'}: {', '.join(counts)}"
 
 
 def _rank(verdict: str) -> int:
@@ -64,20 +67,23 @@ def _row(criterion: Mapping[str, Any]) -> CriterionRow:
     verdict = str(criterion.get("verdict", "error"))
     values = criterion.get("values")
     reason = str(criterion.get("reason") or "")
+    limits = limits_text(criterion.get("limits"), unit)
+    informative = verdict == "pass" and not limits
     return CriterionRow(
         verdict=verdict,
-        symbol=VERDICT_SYMBOLS.get(verdict, "!"),
+        symbol="·" if informative else VERDICT_SYMBOLS.get(verdict, "!"),
         id=str(criterion.get("id", "")),
         name=str(criterion.get("id", "")).replace("_", " "),
         requirement=str(criterion.get("requirement") or ""),
         description=str(criterion.get("description") or ""),
         value=reason if criterion.get("value") is None and reason == NEVER else quantity(criterion.get("value"), unit),
         wheels=_wheels_text(values, unit) if isinstance(values, list) else "",
-        limits=limits_text(criterion.get("limits"), unit),
+        limits=limits,
         margin=_margin_text(criterion.get("margin")),
         reason="" if reason == NEVER else reason,
         source=str(criterion.get("source") or ""),
         used=_share_of_limit(criterion),
+        informative=informative,
     )
 
 

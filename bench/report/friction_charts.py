@@ -10,7 +10,6 @@ from bench.report.run_data import FloatArray, RunData
 
 _AXLES = (("front", ("fl", "fr")), ("rear", ("rl", "rr")))
 _ESTIMATE_COLOURS = ("fl", "fr", "rr", "second")
-_CEILING = 1.6
 _SPLIT = 0.02
 _CONFIDENT = State("confident", "rebuild")
 
@@ -33,10 +32,10 @@ def _axle_chart(run: RunData, book: ChartBook, axle: str, wheels: tuple[str, str
         name = book.add_signal(estimate, run.time, np.where(running, run.array(estimate), np.nan))
         series.append(Series(f"estimate {estimator}", name, colour))
         if run.has(f"{estimate}_std"):
-            areas.append(deviation_area(book, run, estimate, f"{estimate}_std", colour, _CEILING))
+            areas.append(deviation_area(book, run, estimate, f"{estimate}_std", running, colour))
         if run.has(f"{estimate}_confidence"):
             sure = (run.array(f"{estimate}_confidence") > 0.5) & running
-            strips.append(Strip("sure", coloured(run.time, sure.astype(np.float64), {1: _CONFIDENT})))
+            strips.append(Strip("sure", coloured(run.time, sure.astype(np.float64), {1: _CONFIDENT}), colour))
     series += _truth(run, book, axle, wheels, limits)
     return LineChart(
         f"friction-{axle}", f"Friction, {axle} axle", "1", series, areas=areas, strips=strips, height=200,

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from bench.report.motion_charts import FAST_M_S
 from bench.report.run_data import FloatArray, RunData
 from signals.wheels import WHEELS
 
@@ -70,6 +72,14 @@ _METRIC_SIGNALS: Mapping[str, tuple[tuple[str, ...], str]] = {
 }
 
 _AXLES: Mapping[str, tuple[str, str]] = {"front": ("fl", "fr"), "rear": ("rl", "rr")}
+
+# output of an estimator without its axle: the simulated car's signal and the chart
+_ESTIMATED: Mapping[str, tuple[str, str]] = {
+    "friction_limit": ("friction_limit", "friction"),
+    "friction_used": ("friction_used", "friction"),
+    "slip": ("slip_ratio", "slip"),
+    "wheel_speed": ("true_wheel_speed", "speed"),
+}
 
 _AT_BRAKE_START: Mapping[str, str] = {
     "brake_start_time": "speed",
@@ -139,23 +149,25 @@ def _wheels_to_search(values: Any) -> tuple[str, ...]:
 def _moving(run: RunData, name: str, window: slice) -> FloatArray:
     """Values in the window, zero while the car crawls, where slip and angles mean nothing."""
     values = run.array(name)[window]
-    if name == "lateness" or not run.has("speed"):
-        return values
-    return np.where(run.array("speed")[window] > 15 / 3.6, values, 0.0)
+    return values if name == "lateness" else np.where(_fast(run)[window], values, 0.0)
+
+
+def _fast(run: RunData) -> NDArray[np.bool_]:
+    return run.array("speed") > FAST_M_S if run.has("speed") else np.ones(len(run.time), np.bool_)
 
 
 def _of_estimate(run: RunData, words: list[str], window: slice) -> Instant | None:
-    """Largest error of a friction estimate; the start of the phase for any other output of an estimator."""
+    """Largest error of an estimate of an axle; the start of the phase for any other output of an estimator."""
     for word in words:
         if "." not in word or not run.has(word):
             continue
-        output = word.partition(".")[2]
-        chart = "speed" if "speed" in output else f"friction-{'rear' if 'rear' in output else 'front'}"
-        axle = next((axle for axle in _AXLES if output == f"friction_limit_{axle}"), None)
-        wheels = [f"friction_limit_{wheel}" for wheel in _AXLES[axle]] if axle is not None else []
-        if wheels and run.has(*wheels):
-            error = np.abs(run.array(word) - np.mean([run.array(name) for name in wheels], axis=0))[window]
-            return _at_largest(run, error, window, chart)
+        quantity, _, axle = word.partition(".")[2].rpartition("_")
+        truth, chart = _ESTIMATED.get(quantity, ("", "speed" if quantity == "" else "friction"))
+        chart = f"friction-{axle if axle in _AXLES else 'front'}" if chart == "friction" else chart
+        signals = [f"{truth}_{wheel}" for wheel in _AXLES.get(axle, ())]
+        if signals and run.has(*signals):
+            error = np.abs(run.array(word) - np.mean([run.array(name) for name in signals], axis=0))
+            return _at_largest(run, np.where(_fast(run), error, 0.0)[window], window, chart)
         return Instant(float(run.time[window][0]), chart)
     return None
 

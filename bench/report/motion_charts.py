@@ -1,6 +1,7 @@
 """Charts of the car's motion: speeds, deceleration, slip, yaw, steering, place on the road."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.report.charts import Area, Chart, ChartBook, LineChart, Series
 from bench.report.run_data import FloatArray, RunData
@@ -12,18 +13,29 @@ STANDING_M_S = 0.3
 FAST_M_S = 15 / 3.6  # below it a wheel may lock: what happens there must not set the scale
 
 
-def wheel_rim_speeds(run: RunData) -> dict[str, FloatArray]:
-    """Speed of each wheel's circumference in m/s, from its slip and the speed of its centre.
+def rolling_radius(run: RunData, wheel: str) -> float | None:
+    """Radius R of the wheel's rim speed R ω, from the slip while the car is fast; None where the run never is.
 
     Slip is (R ω - v)/max(R ω, v), so R ω = v (1 + slip) while braking and v/(1 - slip) while driving.
     """
+    names = (f"wheel_centre_speed_{wheel}", f"slip_ratio_{wheel}", f"true_wheel_speed_{wheel}")
+    if not run.has(*names):
+        return None
+    centre, slip, speed = (run.array(name) for name in names)
+    fast = (centre > FAST_M_S) & (speed > 1.0) & (np.abs(slip) < 0.5)
+    if not fast.any():
+        return None
+    centre, slip, speed = centre[fast], slip[fast], speed[fast]
+    return float(np.median(np.where(slip <= 0.0, centre * (1.0 + slip), centre / (1.0 - slip)) / speed))
+
+
+def wheel_rim_speeds(run: RunData) -> dict[str, FloatArray]:
+    """Speed of each wheel's circumference in m/s; a wheel whose radius the run does not tell is left out."""
     speeds = {}
     for wheel in WHEELS:
-        if not run.has(f"wheel_centre_speed_{wheel}", f"slip_ratio_{wheel}"):
-            continue
-        centre, slip = run.array(f"wheel_centre_speed_{wheel}"), run.array(f"slip_ratio_{wheel}")
-        driving = np.maximum(1.0 - slip, 1e-3)
-        speeds[wheel] = np.where(slip <= 0.0, centre * (1.0 + slip), centre / driving)
+        radius = rolling_radius(run, wheel)
+        if radius is not None:
+            speeds[wheel] = run.array(f"true_wheel_speed_{wheel}") * radius
     return speeds
 
 
@@ -52,6 +64,8 @@ def slip_chart(run: RunData, book: ChartBook) -> Chart | None:
         return None
     moving = run.array("speed") > STANDING_M_S if run.has("speed") else np.ones(len(run.time), np.bool_)
     fast = run.array("speed") > FAST_M_S if run.has("speed") else moving
+    if book.focus is not None:
+        fast &= (run.time >= book.focus[0]) & (run.time <= book.focus[1])
     series, shown = [], []
     for wheel in WHEELS:
         percent = np.where(moving, run.array(f"slip_ratio_{wheel}") * -100.0, np.nan)
@@ -121,9 +135,14 @@ def lateral_acceleration_chart(run: RunData, book: ChartBook) -> Chart | None:
     )
 
 
-def deviation_area(book: ChartBook, run: RunData, estimate: str, deviation: str, colour: str, ceiling: float) -> Area:
-    """Ground of ± one standard deviation about an estimate, cut at ``ceiling``: the start must not dwarf the rest."""
+def deviation_area(
+    book: ChartBook, run: RunData, estimate: str, deviation: str, running: NDArray[np.bool_], colour: str
+) -> Area:
+    """Ground of ± one standard deviation about an estimate while it runs."""
     value, spread = run.array(estimate), run.array(deviation)
-    low = book.add_signal(f"{estimate}.low", run.time, np.clip(value - spread, 0.0, ceiling))
-    high = book.add_signal(f"{estimate}.high", run.time, np.clip(value + spread, 0.0, ceiling))
-    return Area(low, high, colour)
+    low, high = np.maximum(value - spread, 0.0), value + spread
+    return Area(
+        book.add_signal(f"{estimate}.low", run.time, np.where(running, low, np.nan)),
+        book.add_signal(f"{estimate}.high", run.time, np.where(running, high, np.nan)),
+        colour,
+    )

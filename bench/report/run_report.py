@@ -16,6 +16,7 @@ from bench.report.page_rendering import render
 from bench.report.run_data import RunData
 from bench.report.run_reading import load_run
 
+BEFORE_BRAKE_S = 0.5
 _ICON_COLOURS = {"pass": "%2312713f", "fail": "%23b3132f", "inconclusive": "%23b07a00", "error": "%237a1fa2"}
 
 
@@ -49,6 +50,7 @@ def page_of(run: RunData) -> str:
     statistics = bus_charts.message_statistics(run)
     book = charts_of(run, statistics)
     steps = run.steps()
+    criteria = page_content.criteria(run)
     contents: dict[str, Any] = {
         "title": f"{run.outcome}: {run.name}",
         "icon_colour": _ICON_COLOURS.get(run.outcome, _ICON_COLOURS["error"]),
@@ -60,7 +62,8 @@ def page_of(run: RunData) -> str:
         "errors": run.verdict.get("errors") or [],
         "remarks": [*(run.verdict.get("remarks") or []), *run.remarks],
         "tiles": page_content.tiles(run),
-        "criteria": page_content.criteria(run),
+        "criteria": [entry for entry in criteria if not entry[0].informative],
+        "figures": [(row.name, row.value, row.description) for row, _ in criteria if row.informative],
         "book": book,
         "ranges": time_ranges(run),
         "steps": page_content.step_table(run),
@@ -79,9 +82,9 @@ def page_of(run: RunData) -> str:
 def charts_of(run: RunData, statistics: list[bus_charts.MessageStatistics]) -> ChartBook:
     """Charts of a run, in the order of the page."""
     time = run.time
-    book = ChartBook((float(time[0]), float(time[-1])) if len(time) > 1 else (0.0, 1.0))
     if len(time) < 2:
-        return book
+        return ChartBook((0.0, 1.0))
+    book = ChartBook((float(time[0]), float(time[-1])), focus_of(run))
     book.add_section(
         "Motion",
         [motion_charts.speed_chart(run, book), motion_charts.slip_chart(run, book)],
@@ -117,12 +120,23 @@ def charts_of(run: RunData, statistics: list[bus_charts.MessageStatistics]) -> C
     return book
 
 
+def focus_of(run: RunData) -> tuple[float, float] | None:
+    """The stop, where much happened before it; None where the whole run is as well shown at once."""
+    start, end = run.brake_start_s(), float(run.time[-1])
+    if start is None or end - start > 0.6 * (end - float(run.time[0])):
+        return None
+    return max(float(run.time[0]), start - BEFORE_BRAKE_S), end
+
+
 def time_ranges(run: RunData) -> list[tuple[str, float, float]]:
-    """Buttons of the toolbar: the whole run, each step, the stop itself."""
+    """Buttons of the toolbar: the whole run, the stop, each step."""
     time = run.time
     if len(time) < 2:
         return []
     ranges = [("whole run", float(time[0]), float(time[-1]))]
+    focus = focus_of(run)
+    if focus is not None:
+        ranges.append(("stop", *focus))
     ranges += [(step.name, step.start_s, step.end_s) for step in run.steps()[:12] if step.end_s > step.start_s]
     return ranges
 

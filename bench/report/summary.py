@@ -78,7 +78,7 @@ def criteria_table(rows: list[CriterionRow], width: int) -> Table:
         if row.verdict == "fail" and row.wheels:
             name.append(f"\n{row.wheels}", style="dim")
         cells: list[Text | str] = [
-            Text(f" {row.symbol}", style=f"bold {style}"),
+            Text(f" {row.symbol}", style="dim" if row.informative else f"bold {style}"),
             name,
             Text(row.value, style=f"bold {style}" if row.verdict == "fail" else ""),
             row.limits,

@@ -50,6 +50,20 @@ class Thinned:
         return content
 
 
+def thin_about(
+    time: NDArray[np.float64], values: NDArray[np.float64], focus: tuple[float, float] | None
+) -> list[Thinned]:
+    """At most ``MAX_POINTS`` points in pieces that follow each other, four of five of them within ``focus``."""
+    if focus is None or len(values) <= MAX_POINTS:
+        return [thin(time, values)]
+    begin, end = np.searchsorted(time, focus)
+    outside = (slice(0, begin), slice(end, len(time)))
+    beside = MAX_POINTS // 5
+    shares = [beside * (part.stop - part.start) // max(1, len(time) - (end - begin)) for part in outside]
+    parts = ((outside[0], shares[0]), (slice(begin, end), MAX_POINTS - beside), (outside[1], shares[1]))
+    return [thin(time[part], values[part], max(2, points)) for part, points in parts if part.stop > part.start]
+
+
 def thin(time: NDArray[np.float64], values: NDArray[np.float64], max_points: int = MAX_POINTS) -> Thinned:
     """At most ``max_points`` points that keep every extreme.
 

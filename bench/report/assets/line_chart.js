@@ -37,9 +37,10 @@ class LineChart {
     if (!(high >= low)) return this.fullRange ?? [0, 1];
     if (whole && this.description.include_zero) { low = Math.min(low, 0); high = Math.max(high, 0); }
     const smallest = this.description.smallest_span || 1e-6;
-    if (high - low < smallest) { const centre = (low + high) / 2; low = centre - smallest / 2; high = centre + smallest / 2; }
+    if (low === 0) high = Math.max(high, smallest);
+    else if (high - low < smallest) { const centre = (low + high) / 2; low = centre - smallest / 2; high = centre + smallest / 2; }
     const margin = 0.04 * (high - low);
-    return [low === 0 ? 0 : low - margin, high + margin];
+    return [low >= 0 ? Math.max(0, low - margin) : low - margin, high + margin];
   }
 
   buildLegend() {
@@ -138,39 +139,43 @@ class LineChart {
   }
 
   visible(signal) {
-    const first = Math.max(0, Math.floor((this.view.start - signal.start) / signal.step) - 2);
-    const last = Math.min(signal.values.length - 1, Math.ceil((this.view.end - signal.start) / signal.step) + 2);
+    const first = Math.max(0, firstNotBefore(signal.times, this.view.start) - 1);
+    const last = Math.min(signal.times.length - 1, firstNotBefore(signal.times, this.view.end) + 1);
     return [first, last];
   }
 
-  path(signal, reverse = false) {
+  // Points in sight as texts, in stretches without gaps.
+  stretches(signal) {
     const [first, last] = this.visible(signal);
-    const parts = [];
-    let pen = "M";
-    for (let n = first; n <= last; n += 1) {
-      const i = reverse ? last - (n - first) : n;
+    const found = [];
+    let stretch = [];
+    for (let i = first; i <= last; i += 1) {
       const value = signal.values[i];
-      if (!Number.isFinite(value)) { pen = reverse ? pen : "M"; continue; }
-      parts.push(`${pen}${this.x(signal.times[i]).toFixed(1)} ${this.y(value).toFixed(1)}`);
-      pen = "L";
+      if (Number.isFinite(value)) stretch.push(`${this.x(signal.times[i]).toFixed(1)} ${this.y(value).toFixed(1)}`);
+      if (stretch.length && (i === last || !Number.isFinite(value))) { found.push(stretch); stretch = []; }
     }
-    return parts.join("");
+    return found;
   }
 
   drawCurve(series) {
-    this.curves.append(svgElement("path", { d: this.path(series), class: this.curveClass(series), "data-series": series.label }));
+    const path = this.stretches(series).map((points) => `M${points.join("L")}`).join("");
+    this.curves.append(svgElement("path", { d: path, class: this.curveClass(series), "data-series": series.label }));
   }
 
+  // Both edges of an area have their gaps at the same places.
   drawArea(area) {
-    const upper = this.path(area.high);
-    const lower = this.path(area.low, true).replace("M", "L");
-    if (upper) this.curves.append(svgElement("path", { d: `${upper}${lower}Z`, class: `area f-${area.colour}` }));
+    const lower = this.stretches(area.low);
+    this.stretches(area.high).forEach((upper, n) => {
+      if (!lower[n]) return;
+      const outline = `M${upper.join("L")}L${lower[n].reverse().join("L")}Z`;
+      this.curves.append(svgElement("path", { d: outline, class: `area f-${area.colour}` }));
+    });
   }
 
   drawStrips() {
     this.description.strips.forEach((strip, index) => {
       const y = this.bottom + 4 + index * (STRIP_HEIGHT + 3);
-      this.ground.append(svgElement("text", { x: this.left - 6, y: y + STRIP_HEIGHT - 2, "text-anchor": "end" }, strip.label));
+      this.ground.append(svgElement("text", { x: this.left - 6, y: y + STRIP_HEIGHT - 2, "text-anchor": "end", class: strip.colour ? `f-${strip.colour} strip-label` : "" }, strip.label));
       this.marks.append(svgElement("rect", { x: this.left, y, width: this.right - this.left, height: STRIP_HEIGHT, class: "lane-ground" }));
       drawSegments(this, strip.segments, y, STRIP_HEIGHT);
     });

@@ -2,7 +2,7 @@
 const content = JSON.parse(document.getElementById("data").textContent);
 const decoded = new Map();
 const page = {
-  view: new TimeView(...content.span),
+  view: new TimeView(content.span, content.focus),
   steps: content.steps,
   signal(name) {
     if (!decoded.has(name)) decoded.set(name, decodeSeries(content.signals[name]));

@@ -34,24 +34,37 @@ function decodeBytes(text) {
   return Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
 }
 
-function decodeSeries(signal) {
-  const { start, step } = signal;
-  const values = new Float32Array(decodeBytes(signal.data).buffer);
-  const offsets = signal.offsets ? decodeBytes(signal.offsets) : null;
-  const times = Float64Array.from(values, (_, k) => start + step * (offsets ? 2 * ((k >> 1) + offsets[k] / 255) : k));
-  return { start, step, values, times };
+// Points of a signal from its pieces: times that never fall, and values.
+function decodeSeries(pieces) {
+  const times = [];
+  const values = [];
+  for (const { start, step, data, offsets } of pieces) {
+    const places = offsets ? decodeBytes(offsets) : null;
+    new Float32Array(decodeBytes(data).buffer).forEach((value, k) => {
+      times.push(start + step * (places ? 2 * ((k >> 1) + places[k] / 255) : k));
+      values.push(value);
+    });
+  }
+  return { times: Float64Array.from(times), values: Float32Array.from(values) };
+}
+
+// Index of the first point that is not before a time.
+function firstNotBefore(times, time) {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle] < time) low = middle + 1; else high = middle;
+  }
+  return low;
 }
 
 // Value of the point that is nearest to a time, NaN outside the signal.
 function valueAt(signal, time) {
-  const near = Math.round((time - signal.start) / signal.step);
-  let best = NaN;
-  let distance = 3 * signal.step;
-  for (let k = Math.max(0, near - 2); k <= Math.min(signal.values.length - 1, near + 2); k += 1) {
-    const away = Math.abs(signal.times[k] - time);
-    if (away < distance) { distance = away; best = signal.values[k]; }
-  }
-  return best;
+  const { times, values } = signal;
+  const after = firstNotBefore(times, time);
+  if (after === times.length) return time - times[after - 1] < 0.05 ? values[after - 1] : NaN;
+  if (after === 0) return times[0] - time < 0.05 ? values[0] : NaN;
+  return time - times[after - 1] < times[after] - time ? values[after - 1] : values[after];
 }
 
 function niceStep(span, wanted) {

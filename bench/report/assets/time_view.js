@@ -1,9 +1,8 @@
 // The time range and the cursor that all charts share. A change redraws once per animation frame.
 class TimeView {
-  constructor(start, end) {
-    this.full = [start, end];
-    this.start = start;
-    this.end = end;
+  constructor(full, shown) {
+    this.full = full;
+    [this.start, this.end] = shown;
     this.cursor = null;
     this.listeners = [];
     this.pending = false;

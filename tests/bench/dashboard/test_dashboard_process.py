@@ -19,7 +19,7 @@ from bench.recording.schema import RunSchema
 from signals.catalogue import catalogue
 
 SIGNALS = (*catalogue(), *made_up_stop.ESTIMATES)
-COMMAND = [sys.executable, "-m", "bench.dashboard.process"]
+COMMAND = [sys.executable, "-m", "bench.dashboard"]
 INFORMATION = {"scenario": "stops/dry", "ecu": "emulated", "link": "udp", "mode": "realtime"}
 END_WITHIN_S = 20.0
 
@@ -67,12 +67,12 @@ def terminal(tmp_path: Path) -> Iterator[Callable[..., Terminal]]:
 
 def on_shell(ring: Path) -> list[str]:
     """Command whose parent is the shell that starts it."""
-    return ["sh", "-c", f"{' '.join(COMMAND)} --ring {ring} --parent $$; echo ended with $?"]
+    return ["sh", "-c", f"{' '.join(COMMAND)} {ring}; echo ended with $?"]
 
 
 def started(ring: Path, **options: Any) -> "subprocess.Popen[str]":
     return subprocess.Popen(
-        [*COMMAND, "--ring", str(ring), "--parent", str(os.getpid())],
+        [*COMMAND, str(ring), "--parent", str(os.getpid())],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -137,11 +137,7 @@ def test_dumb_terminal_gets_lines(run: Run, terminal: Callable[..., Terminal]) -
 def test_it_ends_with_its_parent(run: Run) -> None:
     run.advance_to(1.0)
     # the parent starts the dashboard and dies by kill -9; the dashboard's end closes the pipe it writes to
-    script = (
-        "import os, subprocess, sys, time\n"
-        f"subprocess.Popen([*{COMMAND!r}, '--ring', {str(run.ring)!r}, '--parent', str(os.getpid())])\n"
-        "time.sleep(60)\n"
-    )
+    script = f"import subprocess, time\nsubprocess.Popen([*{COMMAND!r}, {str(run.ring)!r}])\ntime.sleep(60)\n"
     with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as parent:
         assert parent.stdout is not None
         assert parent.stdout.readline().startswith("stops/dry")
@@ -165,8 +161,7 @@ def test_a_ring_that_never_appears_is_an_error(tmp_path: Path, monkeypatch: pyte
     from bench.dashboard import process
 
     monkeypatch.setattr(process, "RING_APPEARS_WITHIN_S", 0.1)
-    arguments = ["--ring", str(tmp_path / "none.ring"), "--parent", str(os.getppid())]
-    assert process.main(arguments) == 2
+    assert process.main([str(tmp_path / "none.ring")]) == 2
 
 
 def test_interrupting_the_terminal_leaves_the_end_to_the_run(run: Run) -> None:

@@ -3,7 +3,7 @@ import base64
 import numpy as np
 import pytest
 
-from bench.report.thinning import MAX_POINTS, presence, segments, thin
+from bench.report.thinning import MAX_POINTS, presence, segments, thin, thin_about
 
 
 def test_short_signal_is_kept_whole() -> None:
@@ -76,3 +76,26 @@ def test_presence_breaks_where_frames_are_missing() -> None:
     times = np.concatenate((np.arange(0.0, 1.0, 0.005), np.arange(1.2, 2.0, 0.005)))
     assert presence(times, 0.0125) == [(0.0, 0.995), (1.2, 1.995)]
     assert presence(np.zeros(0), 0.01) == []
+
+
+def test_the_focus_gets_most_points_and_the_pieces_touch() -> None:
+    time = np.arange(60_001) * 1e-3
+    values = np.sin(time)
+    pieces = thin_about(time, values, (20.0, 24.0))
+    points = [len(piece.values) for piece in pieces]
+    assert len(pieces) == 3
+    assert sum(points) <= MAX_POINTS
+    assert points[1] > 1000
+    times = np.concatenate([piece.times() for piece in pieces])
+    assert np.all(np.diff(times) >= 0.0)
+    assert times[0] == pytest.approx(0.0, abs=1.0)
+    assert times[-1] == pytest.approx(60.0, abs=1.0)
+    inside = pieces[1].times()
+    assert 20.0 <= inside[0] < 20.01
+    assert 23.99 < inside[-1] <= 24.0
+
+
+def test_without_focus_there_is_one_piece() -> None:
+    time = np.arange(60_001) * 1e-3
+    assert [len(piece.values) for piece in thin_about(time, np.sin(time), None)] == [1968]
+    assert len(thin_about(time[:100], time[:100], (0.02, 0.05))) == 1
