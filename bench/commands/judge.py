@@ -12,6 +12,9 @@ def judge(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a run, or a measured MF4 file.")],
     criteria: Annotated[Path, typer.Option(metavar="FILE", help="Criteria file, or a scenario with criteria.")],
     channels: Annotated[Path | None, typer.Option(metavar="FILE", help="Channel map of a measured file.")] = None,
+    vehicle: Annotated[
+        str | None, typer.Option(metavar="NAME|FILE", help="Car, for the wheel radius of a measured file.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write verdict.json and junit.xml there.")] = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -24,7 +27,7 @@ def judge(
     from bench.report import print_summary
     from bench.verdict import judge_recording
 
-    verdict = judge_recording(run, criteria, channels=channels)
+    verdict = judge_recording(run, criteria, channels=channels, vehicle=vehicle)
     if out is not None:
         from bench.verdict.output_files import write_verdict
 
