@@ -197,10 +197,12 @@ class Steer(FileModel):
     radius: float | None = parameter("m", None, low=-1e4, high=1e4, description="of the circle, positive to the left")
     lateral_position: float = parameter("m", 0.0, low=-1e3, high=1e3, description="y of the straight to follow")
     preview: float = parameter("s", 1.0, low=0.1, high=5.0, description="how far ahead the driver aims", source=_HUMAN)
-    reaction_delay: float = parameter("s", 0.2, low=0.0, high=1.0, description="from seeing to steering", source=_HUMAN)
+    reaction_delay: float = parameter(
+        "s", 0.15, low=0.0, high=1.0, description="from seeing to steering", source=_HUMAN
+    )
     countersteer: bool = Field(default=True, description="steer against a yaw rate that the path does not need")
     countersteer_gain: float = parameter(
-        "s", 2.0, low=0.0, high=20.0, description="steering-wheel angle over excess yaw rate", source=_HUMAN
+        "s", 2.5, low=0.0, high=20.0, description="steering-wheel angle over excess yaw rate", source=_HUMAN
     )
     maximum_angle: float = parameter("rad", 9.42, low=0.01, high=20.0, description="", source="assumed: 1.5 turns")
     maximum_rate: float = parameter(

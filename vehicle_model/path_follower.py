@@ -24,7 +24,7 @@ from vehicle_model.interface import TIME_STEP_S
 
 _SHORTEST_PREVIEW_M = 4.0
 _SLOWEST_M_S = 0.5  # below it the hands rest: there is no course to correct
-_TRIM_RATE = 0.3  # 1/s: how fast a lasting offset from the path is steered away
+_TRIM_RATE = 0.1  # 1/s: how fast a lasting offset from the path is steered away
 _LARGEST_TRIM = 0.01  # 1/m
 
 
