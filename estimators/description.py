@@ -23,6 +23,8 @@ class Output:
         them: reports and criteria compare with them.
     weights : tuple of str
         Signals of the simulated car that weight this mean, one for each reference; empty for a plain mean.
+    total : bool
+        True where the true value is the sum of the references instead.
     """
 
     name: str
@@ -30,6 +32,7 @@ class Output:
     description: str
     references: tuple[str, ...] = ()
     weights: tuple[str, ...] = ()
+    total: bool = False
 
 
 @dataclass(frozen=True)
@@ -72,15 +75,21 @@ class Description:
         )
 
     def compared(self) -> tuple[Output, ...]:
-        """Outputs that the simulated car has a true value of: mean of ``references``, weighted by ``weights``."""
+        """Outputs that the simulated car has a true value of: the mean, weighted mean or sum of ``references``."""
         return tuple(output for output in self.outputs if output.references)
 
 
 def with_deviation(
-    name: str, unit: str, description: str, references: tuple[str, ...] = (), weights: tuple[str, ...] = ()
+    name: str,
+    unit: str,
+    description: str,
+    references: tuple[str, ...] = (),
+    weights: tuple[str, ...] = (),
+    *,
+    total: bool = False,
 ) -> tuple[Output, Output]:
     """An output and its standard deviation beside it."""
     return (
-        Output(name, unit, description, references, weights),
+        Output(name, unit, description, references, weights, total),
         Output(f"{name}_std", unit, f"standard deviation: {description}"),
     )

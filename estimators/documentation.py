@@ -56,8 +56,8 @@ def _section(entry: Description) -> Iterator[str]:
 
 def _reference(output: Output) -> str:
     quoted = ", ".join(f"`{name}`" for name in output.references)
-    weighted = " weighted by load" if output.weights else ""
-    return quoted if len(output.references) < 2 else f"mean{weighted} of {quoted}"
+    combined = "sum" if output.total else "mean weighted by load" if output.weights else "mean"
+    return quoted if len(output.references) < 2 else f"{combined} of {quoted}"
 
 
 def _fields(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, FieldInfo]]:

@@ -29,7 +29,6 @@ from estimators.friction_step import (
     LOCKED_RATE_DECAY,
     MEASUREMENT_VARIANCE,
     PROCESS_VARIANCE,
-    RUNNING,
     SAMPLE_TIME,
     STATUS_SIZE,
     SUBSTEPS,
@@ -45,6 +44,7 @@ from estimators.inputs import input_guard
 from estimators.interface import Estimator
 from estimators.kalman.correction import correct_rows
 from estimators.kalman.covariance import FloatArray, IntArray, all_finite, propagate_sparse
+from estimators.longitudinal_start import RUN
 
 # rows of the memory, nine columns each
 _STATE, _PREDICTED, _EXPECTED, _MEASURED, _TORQUES = range(5)
@@ -119,7 +119,7 @@ def _tick(
 ) -> None:
     state = memory[_STATE]
     covariance = memory[_COVARIANCE:_TRANSITION]
-    if begin_tick(state, covariance, status, tuning, guard, positions, inputs, ages) == RUNNING:
+    if begin_tick(state, covariance, status, tuning, guard, positions, inputs, ages) == RUN:
         torques, measured = memory[_TORQUES], memory[_MEASURED]
         read_torques(guard, tuning, torques)
         build_measurement(guard, tuning, status, state[SPEED], measured, rows)

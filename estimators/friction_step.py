@@ -49,6 +49,7 @@ from estimators.inputs import FRESH, INPUTS_LOST, VALUE, accept_inputs, forget_i
 from estimators.kalman.correction import ROW_MISSING, ROW_USED
 from estimators.kalman.covariance import FloatArray, IntArray
 from estimators.longitudinal_inputs import IN_ACCELERATION, axle_speeds, axle_torques, fresh_axles
+from estimators.longitudinal_start import START, STOP, decide, start_speed
 from estimators.post_filter import forget, post_filter
 
 # tuning: one float64 array, the parameters of the model first
@@ -83,8 +84,6 @@ TUNING_SIZE = INITIAL_VARIANCE + STATES
 ACTIVE, RESETS, CONFIDENT_F, CONFIDENT_R, CONFIDENT_M, INPUT_STATE, INNOVATION, SPEED_ROW_WAIT = range(8)
 STATUS_SIZE = 8
 
-IDLE, STARTED, RUNNING = range(3)
-
 OUT_ACTIVE = POSITION["active"]
 OUT_RESETS = POSITION["resets"]
 OUT_INPUT_STATE = POSITION["input_state"]
@@ -118,32 +117,34 @@ def begin_tick(
     Returns
     -------
     int
-        ``IDLE``: nothing to estimate; ``STARTED``: initialised in this tick; ``RUNNING``: make a filter step.
+        ``RUN`` where a filter step is to be made, else another action of :func:`estimators.longitudinal_start.decide`.
     """
     verdict = accept_inputs(guard, positions, inputs, ages, tuning[SAMPLE_TIME])
     status[INPUT_STATE] = verdict
     wheel_f, wheel_r = axle_speeds(guard)
     rim_f, rim_r = tuning[RADIUS_F] * wheel_f, tuning[RADIUS_R] * wheel_r
-    slowest = min(rim_f, rim_r)
-    threshold = tuning[MINIMUM_SPEED]
-    if status[ACTIVE] == 0.0:
-        if verdict == INPUTS_LOST or slowest < threshold:
-            return IDLE
-        speed = slowest if guard[IN_ACCELERATION, VALUE] > 0.0 else max(rim_f, rim_r)
-        initialise(state, covariance, tuning, speed, wheel_f, wheel_r)
+    action = decide(
+        status[ACTIVE] > 0.0,
+        verdict == INPUTS_LOST,
+        rim_f,
+        rim_r,
+        state[SPEED],
+        tuning[MINIMUM_SPEED],
+        tuning[HYSTERESIS],
+    )
+    if action == START:
+        acceleration = guard[IN_ACCELERATION, VALUE]
+        initialise(state, covariance, tuning, start_speed(acceleration, rim_f, rim_r), wheel_f, wheel_r)
         for k in range(status.shape[0]):
-            if k != RESETS and k != INPUT_STATE:
+            if k not in (RESETS, INPUT_STATE):
                 status[k] = 0.0
         status[ACTIVE] = 1.0
         # the wheels of a braked car give a wrong speed, and row 8 repeats it with growing certainty
-        if guard[IN_ACCELERATION, VALUE] < -tuning[BRAKING_START]:
+        if acceleration < -tuning[BRAKING_START]:
             status[SPEED_ROW_WAIT] = tuning[SPEED_ROW_DELAY]
-        return STARTED
-    threshold -= tuning[HYSTERESIS]
-    if verdict == INPUTS_LOST or (slowest < threshold and state[SPEED] < threshold):
+    elif action == STOP:
         stop(state, covariance, status, tuning)
-        return IDLE
-    return RUNNING
+    return action
 
 
 @njit(cache=True)

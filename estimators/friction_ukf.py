@@ -52,7 +52,6 @@ from estimators.friction_step import (
     LOCKED_RATE_DECAY,
     MEASUREMENT_VARIANCE,
     PROCESS_VARIANCE,
-    RUNNING,
     SAMPLE_TIME,
     STATUS_SIZE,
     begin_tick,
@@ -74,6 +73,7 @@ from estimators.kalman.sigma_points import (
     unscented_weights,
 )
 from estimators.longitudinal_inputs import BRAKE_F, BRAKE_R, DRIVE_F, DRIVE_R
+from estimators.longitudinal_start import RUN
 
 POINTS = 2 * STATES + 1
 
@@ -198,7 +198,7 @@ def _tick(
 ) -> None:
     state = memory[_STATE]
     covariance = memory[_COVARIANCE:_FACTOR]
-    if begin_tick(state, covariance, status, tuning, guard, positions, inputs, ages) == RUNNING:
+    if begin_tick(state, covariance, status, tuning, guard, positions, inputs, ages) == RUN:
         read_torques(guard, tuning, memory[_TORQUES])
         build_measurement(guard, tuning, status, state[SPEED], second[_MEASURED], rows)
         status[INNOVATION] = filter_step(memory, second, tuning, weights, rows)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from estimators.description import Description
+from estimators.force_settings import FORCE_OUTPUTS, ForceEkfSettings, force_inputs
 from estimators.friction_outputs import FRICTION_OUTPUTS
 from estimators.friction_settings import FrictionEkfSettings, FrictionUkfSettings, friction_inputs
 from signals.errors import InputError, nearest_name, unknown_name
@@ -37,6 +38,15 @@ def _registry() -> dict[str, Description]:
             inputs=friction_inputs,
             outputs=FRICTION_OUTPUTS,
             implementation="estimators.friction_ukf:FrictionUkf",
+        ),
+        Description(
+            name="force_ekf",
+            summary="longitudinal tyre force of each axle, by an extended Kalman filter without a tyre model",
+            source="friction document, section 3.5 (Enisz 2015, eqs 81-87)",
+            settings=ForceEkfSettings,
+            inputs=force_inputs,
+            outputs=FORCE_OUTPUTS,
+            implementation="estimators.force_ekf:ForceEkf",
         ),
     )
     return {entry.name: entry for entry in entries}

@@ -1,0 +1,244 @@
+"""Extended Kalman filter for the axle forces (Enisz 2015, stage 1; friction document, section 3.5)."""
+
+import math
+from collections.abc import Mapping
+from functools import partial
+
+import numpy as np
+from numba import njit
+
+from estimators.force_model import (
+    COSINE_SPEED,
+    DESIGN_COLUMNS,
+    DRAG_FACTOR,
+    FORCE_F,
+    INERTIA_F,
+    INERTIA_R,
+    MASS,
+    MEASUREMENTS,
+    MODEL_PARAMETERS,
+    RADIUS_F,
+    RADIUS_R,
+    ROLLING_FORCE,
+    ROW_ACCELERATION,
+    ROW_WHEEL_F,
+    ROW_WHEEL_R,
+    SPEED,
+    STATES,
+    TRANSITION_COLUMNS,
+    WHEEL_F,
+    WHEEL_R,
+    hold_force_rates,
+    measure,
+    predict,
+    share_force_noise,
+)
+from estimators.force_settings import FORCE_OUTPUTS, ForceEkfSettings, force_inputs
+from estimators.inputs import FRESH, INPUTS_LOST, VALUE, accept_inputs, forget_inputs, input_guard
+from estimators.interface import Estimator
+from estimators.kalman.correction import ROW_MISSING, ROW_USED, correct_rows
+from estimators.kalman.covariance import FloatArray, IntArray, all_finite, propagate_sparse
+from estimators.longitudinal_inputs import IN_ACCELERATION, axle_speeds, axle_torques, fresh_axles
+from estimators.longitudinal_start import RUN, START, STOP, decide, start_speed
+from estimators.vehicle_numbers import LongitudinalCar, longitudinal_car
+
+(
+    SAMPLE_TIME,
+    BRAKE_GAIN_F,
+    BRAKE_GAIN_R,
+    BRAKE_IS_CAPACITY,
+    HOLD_INPUTS,
+    MINIMUM_SPEED,
+    HYSTERESIS,
+    RATE_DECAY,
+) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 8)
+PROCESS_VARIANCE = RATE_DECAY + 1
+MEASUREMENT_VARIANCE = PROCESS_VARIANCE + STATES
+INITIAL_VARIANCE = MEASUREMENT_VARIANCE + MEASUREMENTS
+TUNING_SIZE = INITIAL_VARIANCE + STATES
+
+# rows of the memory, nine columns each
+_STATE, _PREDICTED, _EXPECTED, _TORQUES, _STATUS = range(5)
+_COVARIANCE = 5
+_TRANSITION = _COVARIANCE + STATES
+_DESIGN = _TRANSITION + STATES
+_SCRATCH = _DESIGN + MEASUREMENTS
+_MEMORY_ROWS = _SCRATCH + STATES
+
+_ACTIVE, _RESETS, _INPUT_STATE, _INNOVATION = range(4)
+_POSITION = {output.name: position for position, output in enumerate(FORCE_OUTPUTS)}
+_OUT_SPEED, _OUT_FORCE_F, _OUT_INNOVATION = _POSITION["speed"], _POSITION["force_front"], _POSITION["innovation"]
+
+
+@njit(cache=True)
+def _initialise(memory: FloatArray, tuning: FloatArray, speed: float, wheel_f: float, wheel_r: float) -> None:
+    state, covariance = memory[_STATE], memory[_COVARIANCE:_TRANSITION]
+    state[:] = 0.0
+    state[SPEED], state[WHEEL_F], state[WHEEL_R] = speed, wheel_f, wheel_r
+    covariance[:] = 0.0
+    for i in range(STATES):
+        covariance[i, i] = tuning[INITIAL_VARIANCE + i]
+
+
+@njit(cache=True)
+def _filter_step(memory: FloatArray, rows: IntArray, tuning: FloatArray, guard: FloatArray) -> None:
+    state, predicted, expected = memory[_STATE], memory[_PREDICTED], memory[_EXPECTED, :MEASUREMENTS]
+    covariance, transition = memory[_COVARIANCE:_TRANSITION], memory[_TRANSITION:_DESIGN]
+    design, scratch = memory[_DESIGN:_SCRATCH], memory[_SCRATCH:_MEMORY_ROWS]
+    variances = tuning[PROCESS_VARIANCE : PROCESS_VARIANCE + STATES]
+    torques = memory[_TORQUES]
+    axle_torques(guard, tuning[BRAKE_GAIN_F], tuning[BRAKE_GAIN_R], tuning[BRAKE_IS_CAPACITY] > 0.0, torques)
+    locked = predict(state, torques, tuning[SAMPLE_TIME], tuning, predicted, transition)
+    if locked:
+        hold_force_rates(predicted, transition, tuning[RATE_DECAY])
+    propagate_sparse(covariance, transition, TRANSITION_COLUMNS, variances, scratch)
+    state[:] = predicted
+    if locked:
+        share_force_noise(state, covariance, variances)
+    measure(state, tuning, expected, design)
+    wheel_f, wheel_r = axle_speeds(guard)
+    expected[ROW_ACCELERATION] = guard[IN_ACCELERATION, VALUE] - expected[ROW_ACCELERATION]
+    expected[ROW_WHEEL_F] = wheel_f - expected[ROW_WHEEL_F]
+    expected[ROW_WHEEL_R] = wheel_r - expected[ROW_WHEEL_R]
+    hold = tuning[HOLD_INPUTS] > 0.0
+    fresh_f, fresh_r = fresh_axles(guard)
+    rows[ROW_ACCELERATION] = ROW_USED if hold or guard[IN_ACCELERATION, FRESH] > 0.0 else ROW_MISSING
+    rows[ROW_WHEEL_F] = ROW_USED if hold or fresh_f else ROW_MISSING
+    rows[ROW_WHEEL_R] = ROW_USED if hold or fresh_r else ROW_MISSING
+    memory[_STATUS, _INNOVATION] = correct_rows(
+        state,
+        covariance,
+        expected,
+        design,
+        tuning[MEASUREMENT_VARIANCE : MEASUREMENT_VARIANCE + MEASUREMENTS],
+        rows,
+        0.0,
+        DESIGN_COLUMNS,
+        scratch[:4],
+    )
+
+
+@njit(cache=True)
+def _tick(
+    memory: FloatArray,
+    rows: IntArray,
+    tuning: FloatArray,
+    guard: FloatArray,
+    positions: IntArray,
+    inputs: FloatArray,
+    ages: FloatArray,
+    out: FloatArray,
+) -> None:
+    state, status, covariance = memory[_STATE], memory[_STATUS], memory[_COVARIANCE:_TRANSITION]
+    verdict = accept_inputs(guard, positions, inputs, ages, tuning[SAMPLE_TIME])
+    wheel_f, wheel_r = axle_speeds(guard)
+    rim_f, rim_r = tuning[RADIUS_F] * wheel_f, tuning[RADIUS_R] * wheel_r
+    action = decide(
+        status[_ACTIVE] > 0.0,
+        verdict == INPUTS_LOST,
+        rim_f,
+        rim_r,
+        state[SPEED],
+        tuning[MINIMUM_SPEED],
+        tuning[HYSTERESIS],
+    )
+    if action == RUN:
+        _filter_step(memory, rows, tuning, guard)
+        if not all_finite(state):
+            action = STOP
+    if action == START:
+        speed = start_speed(guard[IN_ACCELERATION, VALUE], rim_f, rim_r)
+        _initialise(memory, tuning, speed, wheel_f, wheel_r)
+        status[_ACTIVE], status[_INNOVATION] = 1.0, 0.0
+    elif action == STOP:
+        _initialise(memory, tuning, 0.0, 0.0, 0.0)
+        status[_ACTIVE], status[_INNOVATION] = 0.0, 0.0
+        status[_RESETS] += 1.0
+    out[0], out[1], out[2] = status[_ACTIVE], status[_RESETS], verdict
+    for i in range(WHEEL_R + 1):
+        out[_OUT_SPEED + 2 * i] = state[i]
+        out[_OUT_SPEED + 2 * i + 1] = math.sqrt(max(covariance[i, i], 0.0))
+    for k in range(3):
+        force = FORCE_F + 2 * k
+        out[_OUT_FORCE_F + 2 * k] = state[force]
+        out[_OUT_FORCE_F + 2 * k + 1] = math.sqrt(max(covariance[force, force], 0.0))
+    out[_OUT_INNOVATION] = status[_INNOVATION]
+
+
+def model_parameters(car: LongitudinalCar, settings: ForceEkfSettings) -> FloatArray:
+    """Parameters of :mod:`estimators.force_model`, shape (8,)."""
+    values = np.zeros(MODEL_PARAMETERS)
+    values[MASS], values[ROLLING_FORCE], values[DRAG_FACTOR] = car.mass, car.rolling_force, car.drag_factor
+    values[COSINE_SPEED] = settings.cosine_speed if settings.drag == "cosine" else 0.0
+    values[RADIUS_F], values[RADIUS_R] = car.radius
+    values[INERTIA_F], values[INERTIA_R] = car.inertia
+    return values
+
+
+class ForceEkf(Estimator):
+    """Force EKF; build it with :func:`estimators.create`.
+
+    Attributes
+    ----------
+    state : array, shape (9,)
+        Speed [m/s], wheel speeds front, rear [rad/s], force front [N], its rate [N/s], force rear, its rate, unmodelled
+        force, its rate; a view.
+    covariance : array, shape (9, 9)
+        View of its covariance.
+    """
+
+    def __init__(self, vehicle: Mapping[str, float], settings: ForceEkfSettings, sample_time_s: float = 0.001) -> None:
+        self.settings = settings
+        tuning = _tuning(longitudinal_car(vehicle), settings, sample_time_s)
+        self._memory = np.zeros((_MEMORY_ROWS, STATES))
+        self._tuning = tuning
+        inputs = force_inputs(settings)
+        self._guard, positions = input_guard(inputs, settings.input_timeout)
+        self.state = self._memory[_STATE]
+        self.covariance = self._memory[_COVARIANCE:_TRANSITION]
+        super().__init__("force_ekf", inputs, sample_time_s)
+        rows = np.zeros(MEASUREMENTS, dtype=np.int64)
+        self.tick = partial(_tick, self._memory, rows, tuning, self._guard, positions)
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the state of a new filter."""
+        self._memory[_STATUS] = 0.0
+        _initialise(self._memory, self._tuning, 0.0, 0.0, 0.0)
+        forget_inputs(self._guard)
+
+
+def _tuning(car: LongitudinalCar, settings: ForceEkfSettings, sample_time_s: float) -> FloatArray:
+    values = np.zeros(TUNING_SIZE)
+    values[:MODEL_PARAMETERS] = model_parameters(car, settings)
+    values[SAMPLE_TIME] = sample_time_s
+    values[BRAKE_GAIN_F], values[BRAKE_GAIN_R] = car.brake_gain
+    values[BRAKE_IS_CAPACITY] = settings.brake_torque == "capacity"
+    values[HOLD_INPUTS] = settings.input_rule == "hold"
+    values[MINIMUM_SPEED], values[HYSTERESIS] = settings.minimum_speed, settings.speed_hysteresis
+    values[RATE_DECAY] = math.exp(-sample_time_s / settings.locked_rate_time_constant)
+    extra = float(settings.unmodelled_force)
+    process = np.array(
+        [
+            settings.process_speed,
+            *[settings.process_wheel_speed] * 2,
+            *[settings.process_force, settings.process_force_rate] * 2,
+            extra * settings.process_unmodelled,
+            extra * settings.process_unmodelled_rate,
+        ]
+    )
+    initial = np.array(
+        [
+            settings.initial_speed,
+            *[settings.initial_wheel_speed] * 2,
+            *[settings.initial_force, settings.initial_force_rate] * 2,
+            extra * settings.initial_force,
+            extra * settings.initial_force_rate,
+        ]
+    )
+    # noise is given per millisecond
+    values[PROCESS_VARIANCE:MEASUREMENT_VARIANCE] = process**2 * (sample_time_s / 1e-3)
+    rows = [settings.measurement_acceleration, *[settings.measurement_wheel_speed] * 2]
+    values[MEASUREMENT_VARIANCE:INITIAL_VARIANCE] = np.square(rows)
+    values[INITIAL_VARIANCE:] = initial**2
+    return values
