@@ -3,17 +3,18 @@
 import os
 import signal
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
+from bench.links.interface import Link
 from bench.loop.children import Child, on_helper_cores, start_module
 from bench.loop.ecu_sides import BarrierEcu, InProcessEcu, LinkedEcu, NoEcu
 from bench.loop.scheduling import CorePlan
 from bench.loop.tick import EcuSide
-from bench.scenario.schema import ScenarioFile
+from bench.scenario.schema import Ecu, ScenarioFile
 from signals.errors import InputError, RunError
 
 BARRIER_NAME = "barrier"
@@ -116,38 +117,56 @@ def _connect_link(scenario: ScenarioFile, cores: CorePlan, log: IO[bytes] | None
 
     ecu = scenario.ecu
     link = open_link(ecu.link or default_link_text(), role="bench")
-    lockstep = scenario.pacing == "lockstep"
-    if lockstep and not link.supports_lockstep:
+    if scenario.pacing == "lockstep" and not link.supports_lockstep:
         link.close()
         raise InputError(f"lock-step on {link.kind}: this kind of link keeps its own time", mend="use --realtime")
-    if ecu.kind != "emulated":
-        silent = ecu.kind == "none" or ecu.expect != "alive"
-        other = LinkedEcu(link, float("inf") if silent else ecu.first_answer)
-        return Connection(other, link.text, link.statistics, expect=ecu.expect if ecu.kind == "external" else "silent")
-    folder = tempfile.TemporaryDirectory(prefix="bench-") if lockstep else None
-    arguments = ["--link", link.text, "--calibration", ecu.calibration]
+    if ecu.kind == "emulated":
+        connect_emulated = _in_lockstep if scenario.pacing == "lockstep" else _in_real_time
+        return connect_emulated(ecu, link, cores, log)
+    side = LinkedEcu(link, ecu.first_answer)
+    expect = ecu.expect if ecu.kind == "external" else "silent"
+    connection = Connection(side, link.text, link.statistics, expect=expect)
+    if expect != "silent":
+        _or_close(connection, side.wait_until_heard)
+    return connection
+
+
+def _start_ecu(ecu: Ecu, link: Link, cores: CorePlan, log: IO[bytes] | None, more: Sequence[str] = ()) -> Child:
+    arguments = ["--link", link.text, "--calibration", ecu.calibration, *more]
     for option, value in (("--dbc", ecu.dbc), ("--mapping", ecu.mapping)):
         arguments += [option, value] if value else []
     if ecu.expect == "silent" and ecu.kill is None:
         arguments.append("--silent")
-    server = None
-    if folder is not None:
-        from bench.links.barrier import BarrierServer
-
-        path = Path(folder.name) / BARRIER_NAME
-        server = BarrierServer(str(path))
-        arguments += ["--barrier", str(path)]
     with on_helper_cores(cores):
-        child = start_module("ecu", "bench.ecu.process", arguments, log=log)
-    if server is not None:
-        side = BarrierEcu(link, server, may_be_lost=ecu.expect != "alive")
-        connection = Connection(side, link.text, link.statistics, child, ecu.expect, folder)
-        try:
-            server.wait_for_peer(START_TIMEOUT_S, lambda: child.exit_code is None)
-        except RunError:
-            connection.close()
-            raise
-        return connection
-    silent = ecu.expect == "silent"
-    linked = LinkedEcu(link, float("inf") if silent else ecu.first_answer)
-    return Connection(linked, link.text, link.statistics, child, ecu.expect)
+        return start_module("ecu", "bench.ecu.process", arguments, log=log)
+
+
+def _in_real_time(ecu: Ecu, link: Link, cores: CorePlan, log: IO[bytes] | None) -> Connection:
+    child = _start_ecu(ecu, link, cores, log)
+    # its first start compiles: that is the bench's time, not the ECU's
+    side = LinkedEcu(link, max(ecu.first_answer, START_TIMEOUT_S))
+    connection = Connection(side, link.text, link.statistics, child, ecu.expect)
+    if ecu.expect != "silent":
+        _or_close(connection, lambda: side.wait_until_heard(lambda: child.exit_code is None))
+    return connection
+
+
+def _in_lockstep(ecu: Ecu, link: Link, cores: CorePlan, log: IO[bytes] | None) -> Connection:
+    from bench.links.barrier import BarrierServer
+
+    folder = tempfile.TemporaryDirectory(prefix="bench-")
+    path = str(Path(folder.name) / BARRIER_NAME)
+    server = BarrierServer(path)
+    child = _start_ecu(ecu, link, cores, log, ("--barrier", path))
+    side = BarrierEcu(link, server, may_be_lost=ecu.expect != "alive")
+    connection = Connection(side, link.text, link.statistics, child, ecu.expect, folder)
+    _or_close(connection, lambda: server.wait_for_peer(START_TIMEOUT_S, lambda: child.exit_code is None))
+    return connection
+
+
+def _or_close(connection: Connection, wait: Callable[[], None]) -> None:
+    try:
+        wait()
+    except BaseException:
+        connection.close()
+        raise

@@ -4,6 +4,7 @@ In virtual time a frame sent in tick n is seen by the other side at tick n + 1, 
 """
 
 import time
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -81,35 +82,43 @@ class LinkedEcu:
     link : Link
         An open link.
     first_answer_s : float
-        Wall-clock time within which the first foreign frame has to arrive, else the run ends with an error;
-        infinity where the scenario expects a silent ECU.
+        Wall-clock time within which :meth:`wait_until_heard` expects a frame.
     """
 
     def __init__(self, link: Link, first_answer_s: float) -> None:
         self._link = link
         self._first_answer_s = first_answer_s
-        self._heard = False
-        self._start_s = 0.0
+
+    def wait_until_heard(self, is_alive: Callable[[], bool] = lambda: True) -> None:
+        """Wait for the ECU's first frame, so that a run begins with an ECU that is there.
+
+        Parameters
+        ----------
+        is_alive : callable
+            False once the ECU's process has ended, which ends the wait.
+
+        Raises
+        ------
+        RunError
+            If no frame comes in time.
+        """
+        frames = np.zeros(MAX_FRAMES, FRAME_DTYPE)
+        deadline = time.monotonic() + self._first_answer_s
+        while not self._link.receive(frames):
+            if not is_alive():
+                raise RunError("the emulated ECU ended before it answered", mend="see log.txt in the run's folder")
+            if time.monotonic() > deadline:
+                raise RunError(
+                    f"the ECU on {self._link.text} sent no frame within {self._first_answer_s:g} s",
+                    mend="start it (bench ecu --link …), check the link, or declare ecu.expect: silent in the scenario",
+                )
+            self._link.wait(0.01)
 
     def receive(self, tick: int, frames: NDArray[np.void]) -> int:
         """Everything that arrived since the last tick."""
         count = self._link.receive(frames)
-        if count:
-            self._heard = True
-            frames["tick"][:count] = tick
-        elif not self._heard:
-            self._check_silence()
+        frames["tick"][:count] = tick
         return count
-
-    def _check_silence(self) -> None:
-        now = time.monotonic()
-        if self._start_s == 0.0:
-            self._start_s = now
-        elif now - self._start_s > self._first_answer_s:
-            raise RunError(
-                f"the ECU on {self._link.kind} sent no frame within {self._first_answer_s:g} s",
-                mend="start it (bench ecu --link …), check the link, or declare ecu.expect: silent in the scenario",
-            )
 
     def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:
         """Put the frames on the link."""

@@ -92,7 +92,7 @@ def build_parts(scenario: ScenarioFile) -> Parts:
     plant = build_plant(scenario, vehicle, road)
     plant.bind(vector.block("plant"))
     plant.reset(speed_m_s=scenario.initial_speed)
-    manoeuvre = Manoeuvre(scenario.manoeuvre, vector, vehicle, initial_gear=scenario.initial_gear)
+    manoeuvre = Manoeuvre(scenario.manoeuvre, vector, vehicle)
     hydraulic_unit = HydraulicUnit(
         vehicle.numbers("hydraulics") | vehicle.numbers("brakes"),
         scenario.hydraulic_unit.selection_logic,
@@ -136,9 +136,9 @@ def road_of(scenario: ScenarioFile) -> RoadFile:
 def build_plant(scenario: ScenarioFile, vehicle: VehicleFile, road: RoadFile) -> Plant:
     """The plant that the scenario names."""
     if scenario.plant == "single_track":
-        from vehicle_model.reference.single_track import SingleTrackPlant
+        from vehicle_model.reference.single_track import SingleTrack
 
-        return SingleTrackPlant(vehicle, road, wheel_substeps=scenario.plant_options.wheel_substeps)
+        return SingleTrack(vehicle, road, substeps=max(5, scenario.plant_options.wheel_substeps))
     from vehicle_model.plant import Plant as MujocoPlant
 
     return MujocoPlant(vehicle, road, wheel_substeps=scenario.plant_options.wheel_substeps)
