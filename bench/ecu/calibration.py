@@ -78,6 +78,9 @@ class Slip(FileModel):
 
     front: AxleSlip
     rear: AxleSlip
+    turn_reduction: float = parameter(
+        "1", 0.4, low=0, high=0.9, description="share by which rear thresholds shrink at 5 m/s^2 lateral acceleration"
+    )
     rear_select_low: bool = Field(default=True, description="both rear wheels follow the one with more slip")
 
 

@@ -5,9 +5,13 @@ from typing import Any
 from numba import njit
 
 from bench.ecu.records import BUILD_UP, OFF, RELEASE, TASK_S, WAIT
-from bench.ecu.slip_control import advance_phase, assess_wheel, begin_hold, set_valves, share_rear_decision
+from bench.ecu.slip_control import advance_phase, assess_wheel, begin_hold, set_valves
 
 _FRONT_LEFT, _FRONT_RIGHT, _REAR_LEFT, _REAR_RIGHT = range(4)
+EQUAL, EQUAL_PA = 0.95, 4e5
+"""Select low: rear pressures that differ by less than this are taken for equal."""
+RETURN_TASKS = 60
+"""Time that a wheel has to come back after it was released to find the car's speed."""
 
 
 @njit(cache=True)
@@ -15,7 +19,27 @@ def _underbrake(calibration: Any, state: Any, wheel: int) -> None:
     """Release a wheel down to where it rolls and keep it there until its speed has been read."""
     goal = 0.8 * calibration.reference_anchor_pressure_ratio * state.road_pressure[wheel]
     state.phase[wheel] = RELEASE if state.pressure[wheel] > goal else WAIT
+    state.returning_tasks[wheel] = RETURN_TASKS
     state.timer[wheel] = 0
+
+
+@njit(cache=True)
+def _select_low(state: Any) -> None:
+    """Keep the rear wheel with more pressure near the other one: the wheel nearer to locking leads both."""
+    higher = _REAR_LEFT if state.pressure[_REAR_LEFT] > state.pressure[_REAR_RIGHT] else _REAR_RIGHT
+    lower = 5 - higher
+    state.returning_tasks[lower] = max(state.returning_tasks[lower] - 1, 0)
+    lead = state.pressure[lower]
+    if state.returning_tasks[lower] > 0:
+        # released to find the car's speed: what counts is the pressure that it had
+        lead = max(lead, state.road_pressure[lower])
+    too_high = state.pressure[higher] > lead / EQUAL + EQUAL_PA
+    if too_high and state.phase[higher] <= BUILD_UP:
+        begin_hold(state, higher)
+    if too_high:
+        state.inlet[higher] = 1
+    if state.phase[lower] == RELEASE and state.returning_tasks[lower] == 0 and state.phase[higher] > BUILD_UP:
+        state.inlet[higher], state.outlet[higher] = 1, 1
 
 
 @njit(cache=True)
@@ -23,8 +47,6 @@ def assess_wheels(calibration: Any, state: Any) -> bool:
     """Judge all wheels; True if one of them needs slip control."""
     for wheel in range(4):
         assess_wheel(calibration, state, wheel)
-    if calibration.slip_rear_select_low > 0.5 and state.underbraked_wheel < 0:
-        share_rear_decision(state)
     for wheel in range(4):
         if state.wheel_valid[wheel] and state.predicted_slip_speed[wheel] > state.release_level[wheel]:
             return True
@@ -45,6 +67,8 @@ def control_slip(calibration: Any, state: Any) -> None:
         elif state.phase[wheel] == OFF:
             state.phase[wheel] = BUILD_UP
         set_valves(calibration, state, wheel)
+    if calibration.slip_rear_select_low > 0.5:
+        _select_low(state)
     if controlled == 0:
         state.abs_active = 0
 

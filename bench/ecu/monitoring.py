@@ -142,7 +142,7 @@ def _watch_inertial(state: Any, values: Any) -> None:
     wrong = not abs(measured) < LARGEST_CAR_ACCELERATION
     if not state.braking and state.reference > 3.0:
         wrong = wrong or abs(measured - state.learned_acceleration) > ACCELERATION_CONTRADICTION
-    state.inertial_tasks = min(state.inertial_tasks + 1, 400) if wrong else max(state.inertial_tasks - 1, 0)
+    state.inertial_tasks = min(state.inertial_tasks + 1, 120) if wrong else max(state.inertial_tasks - 1, 0)
     set_fault(state, IMPLAUSIBLE_INERTIAL, state.inertial_tasks * TASK_S > 0.3)
 
 

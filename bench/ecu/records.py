@@ -50,6 +50,7 @@ _FLOAT_STATE = (
     ("previous_speed", 4),
     ("raw_acceleration", 4),
     ("slowest_wheel", 1),
+    ("yaw_rate", 1),
     # reference
     *((name, 1) for name in ("reference", "previous_reference", "predicted_acceleration", "learned_acceleration")),
     *((name, 1) for name in ("bias", "anchor_speed", "anchor_age")),
@@ -75,6 +76,7 @@ _INTEGER_STATE = (
     ("pulses", 4),
     ("calm_tasks", 4),
     ("was_rising", 4),
+    ("returning_tasks", 4),
     ("since_pulse", 4),
     ("bleeding", 4),
     ("recovering", 4),
@@ -145,7 +147,7 @@ def _calibration_fields() -> list[tuple[str, str] | tuple[str, str, tuple[int, .
         model = CalibrationFile.model_fields[section].annotation
         fields += [_field(f"{section}_{name}", "f8", 1) for name in getattr(model, "model_fields", {})]
     fields += [_field(f"slip_{name}", "f8", 2) for name in AxleSlip.model_fields]
-    return [*fields, ("slip_rear_select_low", "f8"), ("wheel_radius", "f8", (4,))]
+    return [*fields, ("slip_rear_select_low", "f8"), ("slip_turn_reduction", "f8"), ("wheel_radius", "f8", (4,))]
 
 
 CALIBRATION_RECORD = np.dtype(_calibration_fields())
@@ -160,6 +162,7 @@ def calibration_record(calibration: CalibrationFile) -> NDArray[np.void]:
     for name in AxleSlip.model_fields:
         record[f"slip_{name}"] = (getattr(calibration.slip.front, name), getattr(calibration.slip.rear, name))
     record["slip_rear_select_low"] = float(calibration.slip.rear_select_low)
+    record["slip_turn_reduction"] = calibration.slip.turn_reduction
     car = calibration.car
     record["wheel_radius"] = (car.front_wheel_radius,) * 2 + (car.rear_wheel_radius,) * 2
     return record

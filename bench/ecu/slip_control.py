@@ -15,8 +15,9 @@ from bench.ecu.records import BUILD_UP, OFF, REBUILD, RELEASE, TASK_S, WAIT
 LARGEST_DIFFERENCE = 150.0
 """Wheel against car, m/s^2: beyond this a difference is taken for measurement noise."""
 LEAST_ROAD_PRESSURE_PA = 2e5
+FULL_TURN = 5.0
+"""Lateral acceleration, m/s^2, at which the rear thresholds are reduced most."""
 FALLEN_SINCE = 1.35
-SHARED_PRESSURE = 0.8
 HEAVY_PULSE = 0.3
 GAP_GROWTH = 1.0
 LIGHT_PULSE = 0.12
@@ -41,6 +42,15 @@ def _pulse_tasks(calibration: Any, state: Any, wheel: int) -> float:
 
 
 @njit(cache=True)
+def _turn_share(calibration: Any, state: Any, axle: int) -> float:
+    """Share of the slip thresholds that is left in a turn: the rear tyres are needed for guidance."""
+    if axle == 0:
+        return 1.0
+    turn = min(abs(state.yaw_rate) * state.reference / FULL_TURN, 1.0)
+    return float(1.0 - calibration.slip_turn_reduction * turn)
+
+
+@njit(cache=True)
 def assess_wheel(calibration: Any, state: Any, wheel: int) -> None:
     """Predicted slip speed of a wheel and the levels that it is compared with, m/s."""
     axle = wheel // 2
@@ -50,7 +60,8 @@ def assess_wheel(calibration: Any, state: Any, wheel: int) -> None:
     difference = min(max(difference, -LARGEST_DIFFERENCE), LARGEST_DIFFERENCE)
     offset = calibration.slip_offset[axle]
     predicted = slip_speed + calibration.slip_prediction[axle] * difference
-    release = calibration.slip_release[axle] * reference + offset
+    share = _turn_share(calibration, state, axle)
+    release = share * calibration.slip_release[axle] * reference + offset
     entry = calibration.slip_entry[axle] * reference + 0.5 * offset
     if slip_speed > entry and difference > calibration.slip_critical_deceleration[axle]:
         predicted = max(predicted, release + 0.01)
@@ -58,25 +69,10 @@ def assess_wheel(calibration: Any, state: Any, wheel: int) -> None:
         predicted = min(predicted, release)
     state.predicted_slip_speed[wheel] = predicted
     state.release_level[wheel] = release
-    state.end_level[wheel] = calibration.slip_release_end[axle] * reference + offset
+    state.end_level[wheel] = share * calibration.slip_release_end[axle] * reference + offset
     caution = min(max(1.2 - 0.3 * _pulse_weight(calibration, state, wheel), 0.6), 1.0)
-    state.build_level[wheel] = calibration.slip_build[axle] * reference * caution
+    state.build_level[wheel] = share * calibration.slip_build[axle] * reference * caution
     state.recovering[wheel] = 1 if -difference > calibration.slip_recovery_acceleration[axle] else 0
-
-
-@njit(cache=True)
-def share_rear_decision(state: Any) -> None:
-    """Select low: both rear wheels are judged by the one that is nearer to locking."""
-    left, right = 2, 3
-    lower = min(state.pressure[left], state.pressure[right])
-    if lower < SHARED_PRESSURE * max(state.pressure[left], state.pressure[right]):
-        return  # one of them was released to find the car's speed and has to come back first
-    margin_left = state.predicted_slip_speed[left] - state.release_level[left]
-    margin_right = state.predicted_slip_speed[right] - state.release_level[right]
-    worse = right if margin_right > margin_left else left
-    for wheel in (left, right):
-        state.predicted_slip_speed[wheel] = state.predicted_slip_speed[worse]
-        state.recovering[wheel] = state.recovering[worse]
 
 
 @njit(cache=True)

@@ -112,6 +112,7 @@ def measure_wheels(calibration: Any, state: Any, values: Any, health: Any, with_
     """
     share = TASK_S / (calibration.wheel_speed_acceleration_time_constant + TASK_S)
     yaw_rate = values[_YAW_RATE] if state.inertial_ok else 0.0
+    state.yaw_rate = yaw_rate
     state.slowest_wheel = 1e9
     for wheel in range(4):
         source = EDGES_FL + wheel if with_edges else (SPEED_FRONT if wheel < 2 else SPEED_REAR)

@@ -9,7 +9,10 @@ import pytest
 from numba import njit
 from numpy.typing import NDArray
 
+from bench.codec.codec import AGE_NAMES, Codec
 from bench.ecu.controller import Controller
+from bench.ecu.node import EcuNode
+from bench.links.frame import new_frames
 from hydraulics import HydraulicUnit
 from signals.catalogue import block_slice, names
 
@@ -240,3 +243,90 @@ class Stop:
 @pytest.fixture(scope="session")
 def stop() -> type[Stop]:
     return Stop
+
+
+class CanCar:
+    """Frames of a car whose wheel speeds, brake and ignition a test sets, and an ECU that answers them.
+
+    A frame of tick n is seen by the other side in tick n + 1, as in lock-step.
+    """
+
+    def __init__(self, calibration: str = "sensitive", **options: Any) -> None:
+        codec = Codec.load()
+        self.node = EcuNode(calibration, codec, **options)
+        self.values, self.heard = np.zeros(len(BUS)), np.zeros(len(BUS))
+        self._send = codec.transmitter("bench", self.values)
+        self._hear = codec.receiver("bench", self.heard, np.zeros(len(AGE_NAMES)))
+        self._identifiers = {c.message.name: c.message.identifier for c in codec.layout.carriers}
+        self._angle = np.zeros(4)
+        self._to_ecu, self._waiting = new_frames(64), 0
+        self.answers, self.answered = new_frames(64), 0
+        self.tick = 0
+        self.log: list[NDArray[np.void]] = []
+        self.frames_to_ecu: list[NDArray[np.void]] = []
+
+    def __getitem__(self, name: str) -> float:
+        """Value of a signal of the ECU as the bench decoded it."""
+        return float(self.heard[POSITION[name]])
+
+    def drive(
+        self,
+        seconds: float,
+        speed: float | tuple[float, float, float, float],
+        *,
+        master_bar: float = 0.0,
+        brake_switch: float | None = None,
+        acceleration: float = 0.0,
+        ignition: float = 1.0,
+        dead_wheels: tuple[int, ...] = (),
+        drop: tuple[str, ...] = (),
+        corrupt: tuple[str, ...] = (),
+        change: Callable[[NDArray[np.float64]], None] | None = None,
+    ) -> None:
+        """Go on for a while with constant wheel speeds (m/s); dropped and corrupted messages by name."""
+        speeds = np.broadcast_to(np.asarray(speed, np.float64), (4,)).copy() / RADIUS
+        pitch = 2.0 * np.pi / TEETH
+        p = POSITION
+        lost = {self._identifiers[name] for name in drop}
+        bad = {self._identifiers[name] for name in corrupt}
+        for _ in range(round(seconds * 1000)):
+            time = self.tick * 1e-3
+            moving = np.array([0.0 if w in dead_wheels else speeds[w] for w in range(4)])
+            self._angle += moving * 1e-3
+            count = np.floor(self._angle / pitch)
+            since = np.where(moving > 0, (self._angle - count * pitch) / np.maximum(moving, 1e-9), 0.0)
+            for w in range(4):
+                if w not in dead_wheels:
+                    self.values[p["wheel_edge_time_fl"] + w] = (time - since[w]) % 1.048576
+                self.values[p["wheel_edge_count_fl"] + w] = count[w] % 65536
+                self.values[p["wheel_speed_fl"] + w] = moving[w]
+            self.values[p["master_pressure"]] = master_bar * 1e5
+            self.values[p["brake_switch"]] = float(master_bar > 1.0) if brake_switch is None else brake_switch
+            self.values[p["longitudinal_acceleration"]] = acceleration
+            self.values[p["ignition"]] = ignition
+            if change is not None:
+                change(self.values)
+            self._exchange(lost, bad)
+
+    def _exchange(self, lost: set[int], bad: set[int]) -> None:
+        self._hear.accept(self.answers, self.answered, self.tick)
+        self.frames_to_ecu.append(self._to_ecu[: self._waiting].copy())
+        self.answered = self.node.tick(self.tick, self._to_ecu, self._waiting, self.answers)
+        self.log.append(self.answers[: self.answered].copy())
+        due = self._send.due(self.tick, self._to_ecu)
+        kept = 0
+        for i in range(due):
+            identifier = int(self._to_ecu["identifier"][i])
+            if identifier in lost:
+                continue
+            if identifier in bad:
+                self._to_ecu["data"][i, 1] ^= 0x40
+            self._to_ecu[kept] = self._to_ecu[i]
+            kept += 1
+        self._waiting = kept
+        self.tick += 1
+
+
+@pytest.fixture(scope="session")
+def can_car() -> type[CanCar]:
+    return CanCar
