@@ -1,5 +1,6 @@
 """The dashboard as text: a panel that adapts to the width of the terminal."""
 
+import math
 from collections.abc import Iterable, Sequence
 
 from rich import box
@@ -40,7 +41,7 @@ def sparkline(values: Sequence[float], width: int, highest: float) -> str:
 
 def signed(value: float | None, decimals: int, unit: str) -> str:
     """Number with a true minus sign and its unit; a dash where there is none."""
-    if value is None:
+    if value is None or math.isnan(value):
         return "–"
     text = f"{value:.{decimals}f}"
     return ("−" + text[1:] if text.startswith("-") and float(text) != 0.0 else text.lstrip("-")) + unit
@@ -92,7 +93,7 @@ def _headline(view: RunView, inner: int) -> Text:
     phase = f"{snapshot.phase or '–':<{LABEL_WIDTH if roomy else 1}} "
     text = Text(phase, style="bold cyan", no_wrap=True, overflow="ellipsis")
     text.append(f"t {snapshot.time_s:7.3f} s   " if roomy else f"{snapshot.time_s:.3f} s ", style="default")
-    text.append(f"{snapshot.speed_kmh:6.1f} km/h  ", style="bold default")
+    text.append(f"{signed(snapshot.speed_kmh, 1, ' km/h'):>11}  ", style="bold default")
     room = inner - len(text)
     if room >= 10:
         text.append(sparkline(snapshot.speed_history, room, view.highest_speed_kmh), style="green")
@@ -130,6 +131,8 @@ def _wheel_table(snapshot: Snapshot, inner: int) -> Table:
 
 
 def _slip_cell(slip: float, bar_width: int) -> Text:
+    if math.isnan(slip):
+        return Text("–".rjust(bar_width + 6 if bar_width else 5), style="dim")
     style = "bold red" if slip > 50 else "red" if slip > 30 else "yellow" if slip > 18 else "green"
     cell = Text(style=style)
     if bar_width:
@@ -220,15 +223,17 @@ def _micro(value_us: float) -> str:
 def plain_line(view: RunView) -> str:
     """One line of progress for a run without a terminal."""
     snapshot = view.snapshot
-    parts = [f"t {snapshot.time_s:6.1f} s", f"{snapshot.phase or '–':<10}", f"{snapshot.speed_kmh:6.1f} km/h"]
+    parts = [f"t {snapshot.time_s:6.1f} s", f"{snapshot.phase or '–':<10}"]
+    parts.append(f"{signed(snapshot.speed_kmh, 1, ' km/h'):>11}")
     if snapshot.deceleration_m_s2 is not None:
-        parts.append(f"{snapshot.deceleration_m_s2:5.1f} m/s²")
+        parts.append(f"{signed(snapshot.deceleration_m_s2, 1, ' m/s²'):>10}")
     if snapshot.slip_percent:
-        parts.append("slip " + " ".join(f"{slip:3.0f}" for slip in snapshot.slip_percent) + " %")
+        parts.append("slip " + " ".join(f"{signed(slip, 0, ''):>3}" for slip in snapshot.slip_percent) + " %")
     if snapshot.pressure_bar:
         parts.append("pressure " + " ".join(f"{pressure:3.0f}" for pressure in snapshot.pressure_bar) + " bar")
     if snapshot.friction:
-        parts.append("friction " + " ".join(f"{estimate.value:.2f}" for estimate in snapshot.friction))
+        known = (f"{e.value:.2f}" if e.confident is not False else "   –" for e in snapshot.friction)
+        parts.append("friction " + " ".join(known))
     if snapshot.bus_load_percent is not None:
         parts.append(f"bus {snapshot.bus_load_percent:.0f} %")
     if snapshot.lateness_max_us > 0.0:

@@ -1,5 +1,6 @@
 """What the dashboard knows of a run at one instant, gathered from the rows of the signal vector."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -14,6 +15,7 @@ FloatArray = NDArray[np.float64]
 KMH, BAR, DEGREES, MICROSECONDS = 3.6, 1e-5, 180.0 / np.pi, 1e6
 HISTORY = 240
 FAST_M_S = 4.0
+STANDING_M_S = 0.3
 USUAL_RADIUS_M = 0.3  # until the car has been fast enough to tell
 HISTORY_STEP_S = 0.05
 
@@ -150,7 +152,7 @@ class RunView:
             yaw_rate_deg_s=self._mean(recent, "true_yaw_rate", DEGREES),
             steering_deg=self._value(row, "driver_steering_wheel_angle", DEGREES),
             wheel_speed_kmh=self._rim_speeds(row),
-            slip_percent=self._wheels(row, "slip_ratio", -100.0),
+            slip_percent=self._slips(row),
             pressure_bar=pressure,
             pressure_change_bar=change,
             valve=self._valves(row),
@@ -187,6 +189,12 @@ class RunView:
     def _wheels(self, row: FloatArray, name: str, factor: float) -> tuple[float, ...]:
         values = [self._value(row, f"{name}_{wheel}", factor) for wheel in WHEELS]
         return tuple(value for value in values if value is not None) if None not in values else ()
+
+    def _slips(self, row: FloatArray) -> tuple[float, ...]:
+        """Brake slip in %; none while the car stands, where a fraction of the speed means nothing."""
+        slips = self._wheels(row, "slip_ratio", -100.0)
+        moving = abs(self._value(row, "speed") or 0.0) > STANDING_M_S
+        return slips if moving else tuple(math.nan for _ in slips)
 
     def _phase(self, row: FloatArray) -> str:
         index = int(self._value(row, "manoeuvre_phase") or 0)

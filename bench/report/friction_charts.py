@@ -1,5 +1,7 @@
 """Charts of friction: what the road offers, what is used, what the estimators make of it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,7 @@ from bench.report.run_data import FloatArray, RunData
 _AXLES = (("front", ("fl", "fr")), ("rear", ("rl", "rr")))
 _ESTIMATE_COLOURS = ("fl", "fr", "rr", "second")
 _SPLIT = 0.02
+_LEAST_TOP, _ROOM_ABOVE_ROAD = 0.6, 1.5
 _CONFIDENT = State("confident", "rebuild")
 
 
@@ -39,9 +42,14 @@ def _axle_chart(run: RunData, book: ChartBook, axle: str, wheels: tuple[str, str
     series += _truth(run, book, axle, wheels, limits)
     return LineChart(
         f"friction-{axle}", f"Friction, {axle} axle", "1", series, areas=areas, strips=strips, height=200,
-        states=[_CONFIDENT] if strips else [], smallest_span=0.2,
-        explanation="The area is ± one standard deviation of the estimate." if areas else "",
+        states=[_CONFIDENT] if strips else [], range=(0.0, friction_top(limits)),
+        explanation="Area: ± one standard deviation. Sure: enough is used to tell the limit." if areas else "",
     )  # fmt: skip
+
+
+def friction_top(limits: Sequence[FloatArray]) -> float:
+    """Upper end of the friction axis: an estimate that is not sure yet must not set the scale."""
+    return max(_LEAST_TOP, _ROOM_ABOVE_ROAD * max((float(np.nanmax(limit)) for limit in limits), default=1.0))
 
 
 def _estimators(run: RunData, axle: str) -> list[str]:

@@ -123,6 +123,8 @@ def _of_metric(run: RunData, words: list[str], window: slice, criterion: Mapping
     for word in words:
         if word in _METRIC_SIGNALS:
             signals, chart = _METRIC_SIGNALS[word]
+            if word == "steering_wheel_peak_2s":
+                window = slice(window.start, min(window.stop, window.start + 2000))
             return _extreme(run, signals, window, chart, criterion.get("values"))
         if word in _AT_BRAKE_START:
             start = run.brake_start_s()

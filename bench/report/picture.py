@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.report.brake_charts import BAR, VALVES, valve_state
 from bench.report.criteria_table import tally
+from bench.report.friction_charts import friction_top
 from bench.report.motion_charts import FAST_M_S, KMH, STANDING_M_S, wheel_rim_speeds
 from bench.report.plot_style import INK, SOFT, VALVE_COLOURS, VERDICT_COLOURS, WHEEL_COLOURS, plot_style
 from bench.report.run_data import FloatArray, RunData
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 ENDINGS = (".png", ".svg", ".pdf")
 SIZE_INCH = (11.0, 9.2)
 RESOLUTION_DPI = 110
-FRICTION_TOP = 1.3
 
 
 def draw_picture(run_dir: str | Path, path: str | Path) -> Path:
@@ -53,7 +53,7 @@ def draw_picture(run_dir: str | Path, path: str | Path) -> Path:
             draw(axis, run)
             _mark_steps(axis, run)
         axes[-1].set_xlabel("time in s")
-        axes[-1].set_xlim(float(run.time[0]), float(run.time[-1]))
+        axes[-1].set_xlim(run.focus() or (float(run.time[0]), float(run.time[-1])))
         path.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(path, dpi=RESOLUTION_DPI, metadata={"Date": None} if path.suffix == ".svg" else None)
         pyplot.close(figure)
@@ -126,15 +126,16 @@ def _pressures(axis: "Axes", run: RunData) -> None:
 
 def _friction(axis: "Axes", run: RunData) -> None:
     names = run.signals.names if run.signals is not None else ()
-    for axle, wheel, style in (("front", "fl", "--"), ("rear", "rl", ":")):
+    shown = []
+    for axle, (left, right), style in (("front", ("fl", "fr"), "--"), ("rear", ("rl", "rr"), ":")):
         name = next((n for n in names if n.endswith(f".friction_limit_{axle}")), None)
         if name is not None:
-            _estimate(axis, run, name, axle, WHEEL_COLOURS[wheel])
-        if run.has(f"friction_limit_{wheel}"):
-            limit = run.array(f"friction_limit_{wheel}")
-            _curve(axis, run, limit, color=INK, linewidth=1.1, linestyle=style, label=f"road at {wheel.upper()}")
-    axis.set_ylabel("friction")
-    axis.set_ylim(0.0, FRICTION_TOP)
+            _estimate(axis, run, name, axle, WHEEL_COLOURS[left])
+        if run.has(f"friction_limit_{left}", f"friction_limit_{right}"):
+            shown.append(0.5 * (run.array(f"friction_limit_{left}") + run.array(f"friction_limit_{right}")))
+            _curve(axis, run, shown[-1], color=INK, linewidth=1.1, linestyle=style, label=f"road {axle}")
+    axis.set_ylabel("friction limit,\nmean of the axle")
+    axis.set_ylim(0.0, friction_top(shown))
     axis.legend(ncols=4, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
 
 
@@ -143,7 +144,9 @@ def _estimate(axis: "Axes", run: RunData, name: str, axle: str, colour: str) -> 
     active = f"{name.partition('.')[0]}.active"
     running = run.array(active) > 0.5 if run.has(active) else np.ones(len(run.time), np.bool_)
     estimate = np.where(running, run.array(name), np.nan)
-    _curve(axis, run, estimate, color=colour, label=f"estimate {axle}")
+    sure = run.array(f"{name}_confidence") > 0.5 if run.has(f"{name}_confidence") else running
+    _curve(axis, run, estimate, color=colour, alpha=0.3)
+    _curve(axis, run, np.where(sure, estimate, np.nan), color=colour, linewidth=1.8, label=f"estimate {axle}")
     if run.has(f"{name}_std"):
         rows = slice(None, None, max(1, len(run.time) // 1500))
         low, high = estimate - run.array(f"{name}_std"), estimate + run.array(f"{name}_std")

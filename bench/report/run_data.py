@@ -16,6 +16,7 @@ from signals.errors import InputError
 from signals.wheels import WHEELS
 
 FloatArray = NDArray[np.float64]
+BEFORE_BRAKE_S = 0.5
 
 
 @dataclass(frozen=True)
@@ -116,6 +117,13 @@ class RunData:
             if self.has(name):
                 pressed |= self.array(name) > 0.0
         return float(self.time[int(np.argmax(pressed))]) if pressed.any() else None
+
+    def focus(self) -> tuple[float, float] | None:
+        """The stop, where much happened before it; None where the whole run is as well shown at once."""
+        start = self.brake_start_s()
+        if start is None or self.time[-1] - start > 0.6 * (self.time[-1] - self.time[0]):
+            return None
+        return max(float(self.time[0]), start - BEFORE_BRAKE_S), float(self.time[-1])
 
 
 def started_at(folder: Path) -> datetime | None:

@@ -16,7 +16,6 @@ from bench.report.page_rendering import render
 from bench.report.run_data import RunData
 from bench.report.run_reading import load_run
 
-BEFORE_BRAKE_S = 0.5
 _ICON_COLOURS = {"pass": "%2312713f", "fail": "%23b3132f", "inconclusive": "%23b07a00", "error": "%237a1fa2"}
 
 
@@ -84,7 +83,7 @@ def charts_of(run: RunData, statistics: list[bus_charts.MessageStatistics]) -> C
     time = run.time
     if len(time) < 2:
         return ChartBook((0.0, 1.0))
-    book = ChartBook((float(time[0]), float(time[-1])), focus_of(run))
+    book = ChartBook((float(time[0]), float(time[-1])), run.focus())
     book.add_section(
         "Motion",
         [motion_charts.speed_chart(run, book), motion_charts.slip_chart(run, book)],
@@ -120,21 +119,13 @@ def charts_of(run: RunData, statistics: list[bus_charts.MessageStatistics]) -> C
     return book
 
 
-def focus_of(run: RunData) -> tuple[float, float] | None:
-    """The stop, where much happened before it; None where the whole run is as well shown at once."""
-    start, end = run.brake_start_s(), float(run.time[-1])
-    if start is None or end - start > 0.6 * (end - float(run.time[0])):
-        return None
-    return max(float(run.time[0]), start - BEFORE_BRAKE_S), end
-
-
 def time_ranges(run: RunData) -> list[tuple[str, float, float]]:
     """Buttons of the toolbar: the whole run, the stop, each step."""
     time = run.time
     if len(time) < 2:
         return []
     ranges = [("whole run", float(time[0]), float(time[-1]))]
-    focus = focus_of(run)
+    focus = run.focus()
     if focus is not None:
         ranges.append(("stop", *focus))
     ranges += [(step.name, step.start_s, step.end_s) for step in run.steps()[:12] if step.end_s > step.start_s]
