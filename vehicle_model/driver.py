@@ -17,7 +17,7 @@ from vehicle_model.path_follower import steer
 PEDAL_FORCE, MASTER_PRESSURE, ACCELERATOR, CLUTCH, GEAR, STEERING = range(6)
 
 _STANDSTILL_M_S = 0.5
-_RELEASE_RATE = 8.0  # of the accelerator, 1/s: the foot leaves it within 0.125 s
+_RELEASE_RATE = 12.5  # of the accelerator, 1/s: the foot leaves it within 80 ms
 _CLUTCH_OPENING_RATE = 12.5  # 1/s: open within 80 ms
 _BRAKE_RELEASE_RATE = 5000.0  # N/s
 # the clutch begins to open at idle speed and is open at this share of it
