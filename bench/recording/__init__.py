@@ -10,10 +10,9 @@ _EXPORTS = {
     "RecordingSession": "bench.recording.session",
     "RunArrays": "bench.recording.arrays",
     "RunSchema": "bench.recording.schema",
-    "recover": "bench.recording.recover",
 }
 
-__all__ = ["Recording", "RecordingSession", "RunArrays", "RunSchema", "recover"]
+__all__ = ["Recording", "RecordingSession", "RunArrays", "RunSchema"]
 
 
 def __getattr__(name: str) -> Any:

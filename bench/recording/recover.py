@@ -169,7 +169,8 @@ def _verdict(folder: Path, state: RunState, stored: StoredRun) -> "Verdict":
     )
     for criterion in verdict.criteria if state.state != ENDED else ():
         criterion.verdict = INCONCLUSIVE
-        criterion.reason = criterion.reason or "the run did not end: the value is that of the recorded part"
+        if criterion.value is not None:
+            criterion.reason = "the run did not end: the value is that of the recorded part"
     return verdict
 
 

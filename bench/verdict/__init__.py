@@ -9,11 +9,10 @@ from typing import Any
 _EXPORTS = {
     "Assessment": "bench.verdict.assessment",
     "Verdict": "bench.verdict.result",
-    "judge": "bench.verdict.judge",
     "judge_recording": "bench.verdict.rejudge",
 }
 
-__all__ = ["Assessment", "Verdict", "judge", "judge_recording"]
+__all__ = ["Assessment", "Verdict", "judge_recording"]
 
 
 def __getattr__(name: str) -> Any:

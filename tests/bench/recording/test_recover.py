@@ -137,7 +137,7 @@ def test_killed_while_starting(tmp_path: Path, seed: int) -> None:
 
 def test_killed_while_finishing(tmp_path: Path) -> None:
     # from the end of the run (1 000 ticks) to the sealed folder: conversion, verdict, removal
-    for attempt, delay in enumerate(np.linspace(0.05, 1.6, 5)):
+    for attempt, delay in enumerate(np.linspace(0.05, 1.5, 4)):
         folder = tmp_path / f"run{attempt}"
         victim = Victim(folder, "finish", ticks=1000)
         victim.recorder()

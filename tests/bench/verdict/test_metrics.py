@@ -172,6 +172,8 @@ def test_timing_metrics_come_from_the_timing_block() -> None:
     data.timing = {"overruns": 3, "late_ticks": 7}
     run = Assessment(data)
     assert (run.metric("real_time_overruns"), run.metric("late_ticks")) == (3.0, 7.0)
+    late = Assessment(stop(lateness=lambda t: np.where(t < 0.5, 2e-3, 1e-5)))
+    assert late.metric("late_ticks") == 500
     data.timing = {"mode": "lockstep"}
     assert Assessment(data).metric("skipped_ticks") == 0.0
 

@@ -112,3 +112,25 @@ def test_a_foreign_log_without_a_map_says_what_to_do(tmp_path: Path, criteria: P
     foreign_log(tmp_path / "car.mf4")
     with pytest.raises(InputError, match="--channels MAP"):
         judge_recording(tmp_path / "car.mf4", criteria)
+
+
+def test_the_tables_of_the_page_are_those_of_the_vocabulary() -> None:
+    from bench.verdict.documentation import PAGE, updated
+
+    page = PAGE.read_text("utf-8")
+    assert page == updated(page), "run: python -m bench.verdict.documentation"
+
+
+def test_the_examples_of_the_page_are_valid(tmp_path: Path) -> None:
+    from bench.verdict.criteria_file import check_criteria
+    from bench.verdict.documentation import PAGE
+    from signals.measured.channel_map import load_channel_map
+
+    example = PAGE.read_text("utf-8").split("```yaml\n", 1)[1].split("```", 1)[0]
+    (tmp_path / "criteria.yaml").write_text(example)
+    file = load_criteria(tmp_path / "criteria.yaml").file
+    units = {signal.name: signal.unit for signal in catalogue()}
+    assert check_criteria(file.criteria, units, (), file.valid_if) == []
+    channels = PAGE.with_name("recording.md").read_text("utf-8").split("```yaml\n", 1)[1].split("```", 1)[0]
+    (tmp_path / "map.yaml").write_text(channels)
+    assert len(load_channel_map(tmp_path / "map.yaml").channels) == 4
