@@ -6,6 +6,7 @@ from pydantic import model_validator
 
 from signals.errors import FieldError
 from signals.quantities import FileModel, parameter
+from vehicle_model import estimates
 
 _ASSUMED = "assumed: usual for a passenger car"
 
@@ -42,13 +43,12 @@ class Body(FileModel):
                 at=("centre_of_gravity_to_front_axle",),
                 allowed=f"less than the wheelbase of {self.wheelbase} m",
             )
-        second = self.length if self.yaw_inertia_rule == "wheelbase_times_length" else self.wheelbase
-        estimates = {
-            "roll_inertia": 0.75 / 12.0 * self.mass * (self.width**2 + self.height**2),
-            "pitch_inertia": 0.75 / 12.0 * self.mass * (self.length**2 + self.height**2),
-            "yaw_inertia": 0.1269 * self.mass * self.wheelbase * second,
+        inertias = {
+            "roll_inertia": estimates.roll_inertia(self.mass, self.width, self.height),
+            "pitch_inertia": estimates.pitch_inertia(self.mass, self.length, self.height),
+            "yaw_inertia": estimates.yaw_inertia(self.mass, self.wheelbase, self.length, self.yaw_inertia_rule),
         }
-        for name, value in estimates.items():
+        for name, value in inertias.items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, value)
         return self
