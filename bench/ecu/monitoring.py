@@ -215,6 +215,8 @@ def _watch_ignition(state: Any, values: Any, health: Any) -> None:
     on = 1 if not asleep and (not known or values[_IGNITION] > 0.5) else 0
     if on and not state.ignition:
         state.age_tasks = 0
+        # the car may be rolling already: the reference speed starts from the wheels, not from the speed it had
+        state.started = 0
         forget_at_key_on(state)
     state.ignition = on
     state.age_tasks += 1

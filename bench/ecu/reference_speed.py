@@ -132,7 +132,7 @@ def update_reference(calibration: Any, state: Any, values: Any) -> None:
     state.predicted_acceleration = _predict_acceleration(calibration, state, values)
     if state.started < START_TASKS:
         state.reference = _second_slowest(state)
-        state.started += 1
+        state.started += state.ignition
     elif state.abs_active:
         _run_on(calibration, state)
     elif state.braking:

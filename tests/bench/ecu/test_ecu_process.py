@@ -1,0 +1,180 @@
+"""``bench ecu`` as a process: in lock-step, in real time, its ends and exit codes."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bench.codec.codec import Codec
+from bench.ecu.node import EcuNode
+from bench.ecu.process import serve
+from bench.links.barrier import BarrierServer
+from bench.links.frame import new_frames
+from bench.links.registry import open_link
+from signals.errors import InputError
+
+ROOT = Path(__file__).parents[3]
+START_S = 120.0
+"""Time for the process to start; the first one may have to compile."""
+
+
+def start(*arguments: str) -> "subprocess.Popen[str]":
+    return subprocess.Popen(
+        [sys.executable, "-m", "bench.ecu.process", *arguments],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+@pytest.fixture
+def bus() -> Iterator[Any]:
+    link = open_link("udp_loopback", role="bench")
+    yield link
+    link.close()
+
+
+def wait_for_frames(link: Any, deadline_s: float = START_S) -> Any:
+    """First frames that the ECU sends."""
+    frames, end = new_frames(256), time.monotonic() + deadline_s
+    while time.monotonic() < end:
+        link.wait(0.05)
+        count = link.receive(frames)
+        if count:
+            return frames[:count].copy()
+    raise AssertionError("the ECU sent nothing")
+
+
+def test_lock_step_in_another_process_equals_the_node_in_this_one(can_car: Any, bus: Any, tmp_path: Path) -> None:
+    car = can_car()
+    car.drive(0.5, 25.0)
+    for dip in (18.0, 24.0, 17.0, 24.0):
+        car.drive(0.08, (dip, 24.0, dip + 2.0, 23.0), master_bar=120, acceleration=-8.0)
+    path = str(tmp_path / "barrier")
+    server = BarrierServer(path)
+    ecu = start("--link", bus.text, "--barrier", path)
+    try:
+        server.wait_for_peer(START_S, lambda: ecu.poll() is None)
+        received, answers = new_frames(256), []
+        sent = new_frames(64)
+        for tick, frames in enumerate(car.frames_to_ecu):
+            # what the node saw in tick n was sent in tick n - 1
+            count = len(frames)
+            sent[:count] = frames
+            bus.send(sent, count)
+            server.begin(tick, sent, count)
+            answers.append(received[: server.finish(bus, received)].copy())
+    finally:
+        server.close()
+    assert ecu.wait(10) == 0
+    got, expected = np.concatenate(answers), np.concatenate(car.log)
+    assert [(f["identifier"], bytes(f["data"][: f["length"]])) for f in got] == [
+        (f["identifier"], bytes(f["data"][: f["length"]])) for f in expected
+    ]
+
+
+def test_real_time_keeps_the_periods_and_ends_cleanly_on_sigterm(bus: Any) -> None:
+    ecu = start("--link", bus.text, "--calibration", "coarse")
+    try:
+        wait_for_frames(bus)
+        frames, collected, end = new_frames(1024), [], time.monotonic() + 1.0
+        while time.monotonic() < end:
+            bus.wait(0.02)
+            collected.append(frames[: bus.receive(frames)].copy())
+        sent = np.concatenate(collected)
+        assert 0 < np.sum(sent["identifier"] == 0x210) <= 210  # 200 in a second; a loaded machine may skip some
+        ecu.terminate()
+        assert ecu.wait(5) == 0
+    finally:
+        ecu.kill()
+        ecu.communicate()
+
+
+def test_silent_ecu_stays_silent(bus: Any, tmp_path: Path) -> None:
+    path = str(tmp_path / "barrier")
+    server = BarrierServer(path)
+    ecu = start("--link", bus.text, "--barrier", path, "--silent")
+    try:
+        server.wait_for_peer(START_S, lambda: ecu.poll() is None)
+        nothing, received = new_frames(1), new_frames(64)
+        for tick in range(50):
+            server.begin(tick, nothing, 0)
+            assert server.finish(bus, received) == 0
+    finally:
+        server.close()
+    assert ecu.wait(10) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (("--calibration", "sensitiv"), 2, "did you mean sensitive"),
+        (("--link", "virtual"), 2, "virtual"),
+        (("--link", "udp_loopback", "--barrier", "/nonexistent/barrier"), 4, "no bench listens"),
+        (("--core", "4096"), 2, "no such core"),
+        (("--dbc", "/nonexistent.dbc"), 2, "/nonexistent.dbc"),
+    ],
+)
+def test_bad_start_ends_with_one_message(arguments: tuple[str, ...], code: int, message: str) -> None:
+    ecu = start(*arguments)
+    _, errors = ecu.communicate(timeout=START_S)
+    assert ecu.returncode == code
+    assert message in errors
+    assert "Traceback" not in errors
+
+
+def test_ends_with_its_parent(tmp_path: Path) -> None:
+    # a shell-like parent starts the ECU, tells its process id and is killed
+    script = (
+        "import subprocess, sys, time\n"
+        "child = subprocess.Popen([sys.executable, '-m', 'bench.ecu.process', '--link', 'udp_loopback'])\n"
+        "print(child.pid, flush=True)\n"
+        "time.sleep(60)\n"
+    )
+    parent = subprocess.Popen([sys.executable, "-c", script], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    assert parent.stdout is not None
+    ecu = int(parent.stdout.readline())
+    wait_until_armed(ecu)
+    parent.send_signal(signal.SIGKILL)
+    parent.wait()
+    end = time.monotonic() + 20.0
+    while alive(ecu):
+        assert time.monotonic() < end, "the ECU outlived its parent"
+        time.sleep(0.05)
+
+
+def wait_until_armed(pid: int) -> None:
+    """Until the process catches SIGTERM, which is when it has asked to end with its parent."""
+    end = time.monotonic() + START_S
+    while time.monotonic() < end:
+        caught = [line for line in Path(f"/proc/{pid}/status").read_text().splitlines() if line.startswith("SigCgt")]
+        if int(caught[0].split()[1], 16) >> (signal.SIGTERM - 1) & 1:
+            return
+        time.sleep(0.05)
+    raise AssertionError("the ECU did not start")
+
+
+def alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return Path(f"/proc/{pid}/stat").read_text().split(")")[1].split()[0] != "Z"
+
+
+def test_serving_a_link_that_stays_in_the_process_is_refused() -> None:
+    with pytest.raises(InputError, match="does not leave"):
+        serve("virtual")
+
+
+def test_node_needs_a_valid_calibration() -> None:
+    with pytest.raises(InputError, match="unknown calibration"):
+        EcuNode("none", Codec.load())
