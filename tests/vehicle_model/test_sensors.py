@@ -234,6 +234,7 @@ def test_delay(delay: float, expected: float) -> None:
     assert bench["pedal_force"] == pytest.approx(expected)
 
 
+@pytest.mark.acceptance("F-13")
 def test_acceleration_source() -> None:
     errors = {
         "longitudinal_acceleration__offset": 0.5,
