@@ -7,6 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
+from estimators.baseline_settings import (
+    CORNERING_STIFFNESS_OUTPUTS,
+    SIMPLE_BRAKING_OUTPUTS,
+    SLIP_SLOPE_OUTPUTS,
+    CorneringStiffnessSettings,
+    SimpleBrakingSettings,
+    SlipSlopeSettings,
+    cornering_stiffness_inputs,
+    simple_braking_inputs,
+    slip_slope_inputs,
+)
 from estimators.description import Description
 from estimators.force_settings import FORCE_OUTPUTS, ForceEkfSettings, force_inputs
 from estimators.friction_outputs import FRICTION_OUTPUTS
@@ -47,6 +58,33 @@ def _registry() -> dict[str, Description]:
             inputs=force_inputs,
             outputs=FORCE_OUTPUTS,
             implementation="estimators.force_ekf:ForceEkf",
+        ),
+        Description(
+            name="slip_slope_rls",
+            summary="friction limit from the slope of force over slip, by recursive least squares",
+            source="friction document, section 3.2 (Enisz 2015, eqs 24-34)",
+            settings=SlipSlopeSettings,
+            inputs=slip_slope_inputs,
+            outputs=SLIP_SLOPE_OUTPUTS,
+            implementation="estimators.slip_slope:SlipSlopeRls",
+        ),
+        Description(
+            name="cornering_stiffness_rls",
+            summary="nearness of the lateral grip limit from the slope of side friction over slip angle",
+            source="friction document, section 3.3 (Enisz 2015, eqs 35-40)",
+            settings=CorneringStiffnessSettings,
+            inputs=cornering_stiffness_inputs,
+            outputs=CORNERING_STIFFNESS_OUTPUTS,
+            implementation="estimators.cornering_stiffness:CorneringStiffnessRls",
+        ),
+        Description(
+            name="simple_braking",
+            summary="friction in use during a braking from the accelerometer alone, for the comparison of asphalts",
+            source="friction document, section 3.7 (Enisz 2015, eqs 120-127)",
+            settings=SimpleBrakingSettings,
+            inputs=simple_braking_inputs,
+            outputs=SIMPLE_BRAKING_OUTPUTS,
+            implementation="estimators.simple_braking:SimpleBraking",
         ),
     )
     return {entry.name: entry for entry in entries}
@@ -119,10 +157,13 @@ def validate_settings(name: str, settings: Mapping[str, Any]) -> Any:
 
 
 def _problem(name: str, problem: Any, model: type[FileModel]) -> str:
-    *parents, key = map(str, problem["loc"])
-    place = ".".join(("estimators", name, *parents, key))
+    path = [str(part) for part in problem["loc"]]
+    place = ".".join(("estimators", name, *path))
+    if not path:
+        return f"{place}: {problem['msg']}"
     if problem["type"] != "extra_forbidden":
         return f"{place}: found {problem['input']!r}; {problem['msg']}"
+    *parents, key = path
     for parent in parents:
         model = model.model_fields[parent].annotation  # type: ignore[assignment]
     nearest = nearest_name(key, list(model.model_fields))
