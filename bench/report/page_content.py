@@ -1,14 +1,11 @@
 """Texts and tables of the page around the charts."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from bench.report.bus_charts import SENDERS, MessageStatistics
 from bench.report.criteria_table import CriterionRow, criterion_rows
-from bench.report.formatting import display, metric_label, number, quantity, seconds, size_text
+from bench.report.formatting import display, metric_label, number, size_text
 from bench.report.instants import Instant, find_instant
 from bench.report.run_data import RunData, started_at
 
@@ -44,15 +41,6 @@ class Tile:
     label: str
     value: str
     unit: str
-
-
-@dataclass(frozen=True)
-class Table:
-    """A table of the details: heads, rows of texts, columns with numbers."""
-
-    heads: list[str]
-    rows: list[list[str]]
-    numbers: list[bool]
 
 
 def criteria(run: RunData) -> list[tuple[CriterionRow, Instant | None]]:
@@ -113,88 +101,6 @@ def _nested(mapping: Mapping[str, Any], *keys: str) -> Any:
     for key in keys:
         value = value.get(key) if isinstance(value, Mapping) else None
     return value
-
-
-def step_table(run: RunData) -> Table | None:
-    """Steps of the manoeuvre with the speed at which each began."""
-    rows = []
-    for step in run.steps():
-        row = min(int(np.searchsorted(run.time, step.start_s)), len(run.time) - 1)
-        speed = f"{run.array('speed')[row] * 3.6:.1f} km/h" if run.has("speed") else ""
-        length = seconds(step.end_s - step.start_s)
-        rows.append([step.name, seconds(step.start_s), seconds(step.end_s), length, speed])
-    return _table(["step", "from", "to", "duration", "speed at its start"], rows, first_number=1)
-
-
-def estimator_table(run: RunData) -> Table | None:
-    """Root mean square error and settling of every estimate with a true value."""
-    units = run.signals.units if run.signals is not None else {}
-    rows = []
-    for estimator, block in (run.verdict.get("estimators") or {}).items():
-        settling = block.get("settling") or {}
-        for output, error in (block.get("rmse") or {}).items():
-            unit = units.get(f"{estimator}.{output}", "1")
-            settled = f"{number(settling[output], 3)} s" if isinstance(settling.get(output), (int, float)) else ""
-            rows.append([estimator, output.replace("_", " "), quantity(error, unit), settled])
-    return _table(["estimator", "output", "RMS error", "settling after the jump"], rows, first_number=2)
-
-
-def message_table(statistics: Iterable[MessageStatistics]) -> Table | None:
-    """Frames by identifier and sender."""
-    rows = [
-        [
-            message.label,
-            message.name,
-            SENDERS[message.sender].label if message.sender in SENDERS else "",
-            str(message.count),
-            f"{message.nominal_ms:g} ms" if message.nominal_ms else "",
-            f"{message.period_ms:.2f} ms",
-            f"{message.period_p99_ms:.2f} ms",
-            f"{message.largest_gap_ms:.2f} ms",
-        ]
-        for message in statistics
-    ]
-    heads = ["identifier", "message", "sender", "frames", "cycle", "mean distance", "p99", "largest"]
-    return _table(heads, rows, first_number=3)
-
-
-def _table(heads: list[str], rows: list[list[str]], *, first_number: int) -> Table | None:
-    if not rows:
-        return None
-    return Table(heads, rows, [column >= first_number for column in range(len(heads))])
-
-
-def pairs(mapping: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
-    """Nested figures as (words, text), in the order of the file."""
-    found: list[tuple[str, str]] = []
-    for key, value in mapping.items():
-        label = f"{prefix} {str(key).replace('_', ' ')}".strip()
-        if isinstance(value, Mapping):
-            found += pairs(value, label)
-        elif isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
-            for item in value:
-                found += pairs(item, label)
-        elif isinstance(value, list):
-            found.append((label, " · ".join(number(item) for item in value)))
-        else:
-            found.append((label, number(value)))
-    return found
-
-
-def metric_pairs(run: RunData) -> list[tuple[str, str]]:
-    """All metrics with display units."""
-    found = []
-    for name, value in (run.verdict.get("metrics") or {}).items():
-        if value is None or (isinstance(value, list) and all(item is None for item in value)):
-            continue
-        label, unit = metric_label(name)
-        found.append((label, _list_text(value, unit) if isinstance(value, list) else quantity(value, unit)))
-    return found
-
-
-def _list_text(values: list[Any], unit: str) -> str:
-    known = [quantity(value, unit) if value is not None else "–" for value in values]
-    return " · ".join(known)
 
 
 def files(run: RunData) -> list[tuple[str, str, str]]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.recording.arrays import RunArrays
-from bench.report import brake_charts, bus_charts, friction_charts, motion_charts, page_content, timing_charts
+from bench.report import brake_charts, bus_charts, details, friction_charts, motion_charts, page_content, timing_charts
 from bench.report.charts import ChartBook
 from bench.report.criteria_table import tally
 from bench.report.formatting import VERDICT_SYMBOLS
@@ -65,11 +65,14 @@ def page_of(run: RunData) -> str:
         "figures": [(row.name, row.value, row.description) for row, _ in criteria if row.informative],
         "book": book,
         "ranges": time_ranges(run),
-        "steps": page_content.step_table(run),
-        "metrics": page_content.metric_pairs(run),
-        "estimators": page_content.estimator_table(run),
-        "messages": page_content.message_table(statistics),
-        "timing": page_content.pairs(run.timing),
+        "steps": details.step_table(run),
+        "metrics": details.metric_pairs(run),
+        "estimators": details.estimator_table(run),
+        "messages": details.message_table(statistics),
+        "percentiles": details.percentile_table(run),
+        "timing": details.timing_pairs(run),
+        "receivers": details.receiver_table(run),
+        "parameters": details.parameter_table(run),
         "versions": _versions(run),
         "scenario_text": run.scenario_text,
         "files": page_content.files(run),
@@ -133,4 +136,4 @@ def time_ranges(run: RunData) -> list[tuple[str, float, float]]:
 
 
 def _versions(run: RunData) -> list[tuple[str, str]]:
-    return [("seed", str(run.verdict.get("seed", "–"))), *page_content.pairs(run.verdict.get("versions") or {})]
+    return [("seed", str(run.verdict.get("seed", "–"))), *details.pairs(run.verdict.get("versions") or {})]
