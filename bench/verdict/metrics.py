@@ -262,6 +262,8 @@ def truth(run: Assessment, estimate: str) -> FloatArray:
     if compared is None:
         raise NoValueError(f"the simulated car has no true value of {estimate}")
     signals = np.array([run.signal(name) for name in compared.signals])
+    if compared.total:
+        return signals.sum(axis=0)
     if not compared.weights:
         return signals[0] if len(signals) == 1 else signals.mean(axis=0)
     weights = np.array([run.signal(name) for name in compared.weights])

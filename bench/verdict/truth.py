@@ -6,14 +6,15 @@ from functools import lru_cache
 
 @dataclass(frozen=True)
 class Truth:
-    """True value of an estimate: mean of signals, weighted by others if there are any.
+    """True value of an estimate: mean of signals, weighted by others if there are any, or their sum.
 
     The front slip of an axle filter is compared with the mean of the two front wheels' slip, the friction limit of the
-    whole car with the mean of the wheels' limits weighted by their loads.
+    whole car with the mean of the wheels' limits weighted by their loads, an axle's force with the sum of its wheels'.
     """
 
     signals: tuple[str, ...]
     weights: tuple[str, ...]
+    total: bool = False
 
 
 @lru_cache(maxsize=256)
@@ -30,5 +31,5 @@ def truth_of(estimate: str) -> Truth | None:
         return None
     for output in compared:
         if output.name == output_name:
-            return Truth(output.references, output.weights)
+            return Truth(output.references, output.weights, output.total)
     return None
