@@ -66,11 +66,13 @@ def _wanted_gear(c: Any, s: Any, speed: float, engine_speed: float) -> int:
 def _begin(c: Any, s: Any, speed: float) -> None:
     """State of the driver at the first tick: standing with the clutch open, or driving in a gear that suits."""
     s.started = 1
+    wanted = c.initial_gear
+    if wanted < 0 and c.feet in (ACCELERATE, HOLD_SPEED):
+        wanted = c.gear
     if speed < _STANDSTILL_M_S:
-        s.gear, s.clutch = 0, 0.0
+        s.gear, s.clutch = max(c.initial_gear, 0), 0.0
     else:
-        s.gear = c.gear if c.feet in (ACCELERATE, HOLD_SPEED) and c.gear >= 0 else gear_for_speed(c, speed)
-        s.clutch = 1.0
+        s.gear, s.clutch = wanted if wanted >= 0 else gear_for_speed(c, speed), 1.0
     s.next_gear = s.gear
     if c.feet == HOLD_SPEED:
         s.accelerator = c.feedforward

@@ -35,6 +35,7 @@ COMMAND_RECORD = np.dtype(
         ("gears", "i8"),
         ("ratio", "f8", (MOST_GEARS + 1,)),
         ("booster_gain", "f8"),
+        ("initial_gear", "i8"),  # -1 is what suits the speed
         # the step
         ("phase_number", "f8"),
         ("serial", "i8"),  # changes with every step

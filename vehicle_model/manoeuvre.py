@@ -50,6 +50,8 @@ class Manoeuvre:
         Signals of the run; block "driver" and ``manoeuvre_phase`` are written, the plant's and the engine's read.
     vehicle : VehicleFile
         The car that the driver knows.
+    initial_gear : int, optional
+        Gear at the start of the run; without it the first step's, or the one that suits the speed.
 
     Raises
     ------
@@ -59,7 +61,9 @@ class Manoeuvre:
         If a condition names a signal or a phase that the run does not have.
     """
 
-    def __init__(self, file: ManoeuvreFile, vector: SignalVector, vehicle: VehicleFile) -> None:
+    def __init__(
+        self, file: ManoeuvreFile, vector: SignalVector, vehicle: VehicleFile, *, initial_gear: int | None = None
+    ) -> None:
         self.phase_names: tuple[str, ...] = file.phase_names
         self.finished = False
         self._steps = file.steps
@@ -69,9 +73,10 @@ class Manoeuvre:
         self._command: NDArray[np.void] = np.zeros(1, record.COMMAND_RECORD)
         self._state: NDArray[np.void] = np.zeros(1, record.STATE_RECORD)
         self._table = np.zeros((2, 1))
+        self._command[0]["initial_gear"] = _AUTO if initial_gear is None else initial_gear
         self._fill_places()
         self._fill_car()
-        self._check_gears()
+        self._check_gears(initial_gear)
         self.reset()
 
     def reset(self) -> None:
@@ -147,8 +152,10 @@ class Manoeuvre:
         row["ratio"][1 : len(line.gear_ratios) + 1] = np.multiply(line.gear_ratios, line.final_drive)
         row["booster_gain"] = vehicle.brakes.booster_gain
 
-    def _check_gears(self) -> None:
+    def _check_gears(self, initial_gear: int | None) -> None:
         last = len(self._vehicle.driveline.gear_ratios)
+        if initial_gear is not None and initial_gear > last:
+            raise InputError("initial_gear: no such gear", found=str(initial_gear), allowed=f"up to {last}")
         for step in self._steps:
             action = step.accelerate or step.hold_speed
             wanted = [] if action is None or action.gears == "auto" else [action.gears]

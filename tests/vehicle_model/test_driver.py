@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from drive_bench import Drive
+from drive_bench import Drive, manoeuvre_of
 from numpy.typing import NDArray
 
 from signals.errors import InputError
@@ -104,6 +104,20 @@ def test_takes_the_gear_that_suits_the_speed() -> None:
     drive = Drive("steps: [{name: hold, hold_speed: {speed: 25, gears: 3}}]", speed_m_s=25.0)
     drive.run(0.5)
     assert drive["driver_gear"] == 3.0
+
+
+def test_initial_gear() -> None:
+    from vehicle_model.manoeuvre import Manoeuvre
+    from vehicle_model.vehicle_file import load_vehicle
+
+    drive = Drive("steps: [{name: roll, release: true}]", speed_m_s=15.0)
+    file = manoeuvre_of("steps: [{name: roll, release: true}]")
+    drive.driver = Manoeuvre(file, drive.vector, load_vehicle("ekf_car"), initial_gear=2)
+    drive.run(0.3)
+    assert drive["driver_gear"] == 2.0
+    assert drive["true_engine_speed"] == pytest.approx(drive["true_wheel_speed_rl"] * 2.1 * 3.2, rel=0.02)
+    with pytest.raises(InputError, match="initial_gear"):
+        Manoeuvre(file, drive.vector, load_vehicle("ekf_car"), initial_gear=6)
 
 
 def test_a_shift_opens_the_clutch_and_lifts_the_accelerator() -> None:
