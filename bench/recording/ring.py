@@ -105,7 +105,7 @@ class RingWriter:
     rows, frames : int
         Capacity, powers of two.
     recorder_alive : callable, optional
-        Asked while waiting, so that a dead recorder ends the wait.
+        Asked every 256 rows and while waiting, so that a dead recorder ends the run.
 
     Raises
     ------
@@ -188,10 +188,6 @@ class RingWriter:
         deadline = time.monotonic() + ROOM_TIMEOUT_S
         while not room():
             self._raise_if_failed()
-            if self.recorder_alive is not None and not self.recorder_alive():
-                raise RunError(
-                    "the recorder ended before the run did", mend="the rows so far are kept: bench recover RUN"
-                )
             if time.monotonic() > deadline:
                 raise RunError(f"the recorder has taken nothing for {ROOM_TIMEOUT_S:.0f} s")
             time.sleep(2e-4)
@@ -199,6 +195,8 @@ class RingWriter:
     def _raise_if_failed(self) -> None:
         if self._control[STATE] == FAILED:
             raise RunError(f"recording failed: {recorder_error(self._ring)}", mend="what was recorded is kept")
+        if self.recorder_alive is not None and not self.recorder_alive():
+            raise RunError("the recorder ended before the run did", mend="the rows so far are kept: bench recover RUN")
 
     @property
     def recorder_state(self) -> int:

@@ -115,15 +115,25 @@ def test_in_lockstep_the_writer_waits_for_the_recorder(path: Path) -> None:
 
 
 def test_what_is_taken_but_not_safe_is_not_overwritten(path: Path) -> None:
-    writer = RingWriter(path, schema(), rows=64, flow_control=True, recorder_alive=lambda: False)
+    writer = RingWriter(path, schema(), rows=64, flow_control=True)
     recorder = RingReader(path, recorder=True)
     fill(writer, 63)
     recorder.take_rows()
+    writer.recorder_alive = lambda: False
     assert recorder.unreleased_rows == 63
     with pytest.raises(RunError, match="recorder ended"):
         fill(writer, 1, first=63)
+    writer.recorder_alive = None
     recorder.release()
     fill(writer, 1, first=63)
+
+
+def test_in_real_time_a_dead_recorder_ends_the_run_within_256_ticks(path: Path) -> None:
+    writer = RingWriter(path, schema())
+    fill(writer, 10)
+    writer.recorder_alive = lambda: False
+    with pytest.raises(RunError, match="recorder ended"):
+        fill(writer, 256)
 
 
 def test_a_failed_recorder_stops_the_writer(path: Path) -> None:
