@@ -26,6 +26,7 @@ from bench.commands import (
 )
 from signals.errors import BenchError, FileFaults
 
+BAD_USAGE = 2
 INTERRUPTED = 130
 UNEXPECTED = 4
 
@@ -115,11 +116,10 @@ def _failed(message: str, code: int, wants_json: bool) -> int:
 
 def _usage(error: typer.TyperException, wants_json: bool) -> int:
     context = getattr(error, "ctx", None)
+    if not error.format_message():
+        return BAD_USAGE  # no command was given, and the help was printed
     hint = f"\n  see: {context.command_path} --help" if context is not None else "\n  see: bench --help"
     return _failed(f"{error.format_message()}{hint}", BAD_USAGE, wants_json)
-
-
-BAD_USAGE = 2
 
 
 def _unexpected(error: Exception) -> str:

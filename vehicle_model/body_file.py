@@ -6,7 +6,7 @@ from pydantic import model_validator
 
 from signals.errors import FieldError
 from signals.quantities import FileModel, parameter
-from vehicle_model import estimates
+from vehicle_model import inertias
 
 _ASSUMED = "assumed: usual for a passenger car"
 
@@ -43,12 +43,12 @@ class Body(FileModel):
                 at=("centre_of_gravity_to_front_axle",),
                 allowed=f"less than the wheelbase of {self.wheelbase} m",
             )
-        inertias = {
-            "roll_inertia": estimates.roll_inertia(self.mass, self.width, self.height),
-            "pitch_inertia": estimates.pitch_inertia(self.mass, self.length, self.height),
-            "yaw_inertia": estimates.yaw_inertia(self.mass, self.wheelbase, self.length, self.yaw_inertia_rule),
+        estimated = {
+            "roll_inertia": inertias.roll_inertia(self.mass, self.width, self.height),
+            "pitch_inertia": inertias.pitch_inertia(self.mass, self.length, self.height),
+            "yaw_inertia": inertias.yaw_inertia(self.mass, self.wheelbase, self.length, self.yaw_inertia_rule),
         }
-        for name, value in inertias.items():
+        for name, value in estimated.items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, value)
         return self

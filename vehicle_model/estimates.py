@@ -5,41 +5,20 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vehicle_model.inertias import frontal_area, pitch_inertia, roll_inertia, yaw_inertia
+
+__all__ = [
+    "friction_coefficient",
+    "frontal_area",
+    "largest_longitudinal_force",
+    "maximum_friction",
+    "pitch_inertia",
+    "roll_inertia",
+    "typical_static_friction",
+    "yaw_inertia",
+]
+
 Values = NDArray[np.float64]
-
-
-def roll_inertia(mass: float, width: float, height: float) -> float:
-    """(0.75/12) m (w^2 + h^2) [kg m^2] from mass [kg], overall width and height [m] (Enisz 2015, eq. 116, l. 1361)."""
-    return 0.75 / 12.0 * mass * (width**2 + height**2)
-
-
-def pitch_inertia(mass: float, length: float, height: float) -> float:
-    """(0.75/12) m (l^2 + h^2) [kg m^2] from mass [kg], overall length and height [m] (Enisz 2015, eq. 116, l. 1361)."""
-    return 0.75 / 12.0 * mass * (length**2 + height**2)
-
-
-def yaw_inertia(
-    mass: float,
-    wheelbase: float,
-    length: float,
-    rule: Literal["wheelbase_times_length", "wheelbase_squared"] = "wheelbase_times_length",
-) -> float:
-    """0.1269 m L l [kg m^2]; the printed form, with the wheelbase squared, is the other rule.
-
-    Parameters
-    ----------
-    mass : kg
-    wheelbase, length : m
-        L and the overall length l.
-
-    Source: Enisz 2015, eq. 116, l. 1361; friction document 2.5.
-    """
-    return 0.1269 * mass * wheelbase * (length if rule == "wheelbase_times_length" else wheelbase)
-
-
-def frontal_area(mass: float) -> float:
-    """1.6 + 0.00056 (m - 765) [m^2] from the mass [kg] (Enisz 2015, eq. 122; friction document 3.7)."""
-    return 1.6 + 0.00056 * (mass - 765.0)
 
 
 def friction_coefficient(force_x: ArrayLike, force_y: ArrayLike, vertical_load: ArrayLike) -> Values:

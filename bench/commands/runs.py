@@ -11,7 +11,10 @@ def runs(
     folder: Annotated[Path, typer.Argument(help="Folder with run folders.")] = Path("runs"),
     as_json: Annotated[bool, typer.Option("--json", help="The table as JSON on standard output.")] = False,
 ) -> None:
-    """List the runs of a folder with verdict and key figures, the newest last."""
+    """List the runs of a folder with verdict and key figures, the newest last.
+
+    Example: bench runs results
+    """
     from bench.comparison.runs import list_runs, runs_table
     from bench.report.summary import output_console
 

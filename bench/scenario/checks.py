@@ -132,7 +132,7 @@ def _in_range(place: DataPath, value: Any, info: ParameterInfo, context: Context
         return None
     if (info.low is not None and number < info.low) or (info.high is not None and number > info.high):
         allowed = range_text(info.unit, info.low, info.high)
-        context.add(place, "out of range", found=brief(value), allowed=allowed)
+        context.add(place, "out of range", found=_shown(context.document, place) or brief(value), allowed=allowed)
         return None
     return number
 

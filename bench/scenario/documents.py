@@ -67,7 +67,7 @@ def _with_includer(error: InputError, document: Document, number: int) -> InputE
     """Says which line includes a file that does not exist; a fault in the file itself has its own place."""
     if isinstance(error, FileFaults):
         return error
-    fault = document.fault(("include", number), error.message)
+    fault = document.fault(("include", number), error.message, nearest=error.nearest)
     return FileFaults([fault], document.file)
 
 
@@ -149,8 +149,8 @@ def _read_value(text: str) -> Any:
         return text
 
 
-def apply_sets(document: Document, sets: Sets, fields: Sequence[str]) -> None:
-    """Put the values of ``--set`` into the document.
+def apply_sets(document: Document, sets: Sets, fields: Sequence[str], origin: Place | None = None) -> None:
+    """Put the values of ``--set``, or of a variant that stands at ``origin``, into the document.
 
     A path that begins with a field of scenarios names that field (entries of lists by position, name or id); one that
     begins with a section of vehicle files or with ``road`` names a parameter.
@@ -162,7 +162,7 @@ def apply_sets(document: Document, sets: Sets, fields: Sequence[str]) -> None:
     """
     for text, value in parse_sets(sets).items():
         parts = [part for part in re.split(r"[.\[\]]+", text) if part]
-        place = Place(f"--set {text}={value}", 0, 0)
+        place = origin or Place(f"--set {text}={value}", 0, 0)
         if parts[0] == "road" and len(parts) > 1 and isinstance(document.data.get("road", {}), dict):
             _put(document, _path_in(document, parts), value, place)
         elif parts[0] in _PARAMETERS and len(parts) > 1:

@@ -88,12 +88,18 @@ def kind_of_file(document: Document) -> Kind:
     for field, name in _TELLING.items():
         if field in data and not (name == "surfaces" and "friction" in data):
             return _BY_NAME[name]
-    scores = {kind.name: len(set(data) & set(kind.load_model().model_fields) - {"format"}) for kind in KINDS}
+    scores = {kind.name: _fit(data, kind.load_model()) for kind in KINDS}
     best = max(scores, key=lambda name: scores[name])
-    if scores[best] == 0:
+    if scores[best][0] == 0:
         allowed = f"a file of one of these kinds: {', '.join(SCHEMA_KINDS)}"
         raise FileFaults([document.fault((), "no field of any kind of file", allowed=allowed)], document.file)
     return _BY_NAME[best]
+
+
+def _fit(data: dict[str, Any], model: type[BaseModel]) -> tuple[int, int]:
+    """How well a file fits a kind: its fields that the kind has, then the fewest required ones that it lacks."""
+    missing = [name for name, field in model.model_fields.items() if field.is_required() and name not in data]
+    return len(set(data) & set(model.model_fields) - {"format"}), -len(missing)
 
 
 def check_file(argument: str) -> Checked:
@@ -127,7 +133,7 @@ def _check_scenario(path: Path, loaded: Document) -> str:
     scenario = resolve_document(document, path)
     variants = variants_of(document)
     for entry in _few(variants):
-        resolve_document(document, path, entry.sets, variant=entry.name)
+        resolve_document(document, path, variant=entry)
     count = f", {len(variants)} variants" if variants else ""
     return f" {scenario.id}, {len(scenario.criteria)} criteria{count}"
 

@@ -73,7 +73,9 @@ def _problems(node: ast.expr, quantities: Mapping[str, Collection[str]]) -> Iter
             return
         case ast.Attribute(value=ast.Name(id=name), attr=quantity):
             if name not in quantities:
-                yield Problem(f"no runs of the name {name!r}", nearest_name(name, list(quantities)))
+                yield Problem(
+                    f"no runs of the name {name!r}", nearest_name(name, list(quantities)), ", ".join(quantities)
+                )
             elif quantity not in quantities[name]:
                 yield Problem(f"runs have no quantity {quantity!r}", nearest_name(quantity, list(quantities[name])))
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:

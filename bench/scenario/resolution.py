@@ -63,10 +63,8 @@ def resolve(
     changes = parse_sets(sets)
     options = {"seed": seed, "vehicle": vehicle, "plant": plant, "ecu.kind": ecu, "ecu.link": link, "pacing": pacing}
     changes |= {name: value for name, value in options.items() if value is not None}
-    if variant is not None:
-        chosen = _variant(document, path, variant)
-        changes = {**chosen.sets, **changes}
-    return resolve_document(document, path, changes, variant=variant or "")
+    chosen = _variant(document, path, variant) if variant is not None else None
+    return resolve_document(document, path, changes, chosen)
 
 
 def _variant(document: Document, path: Path, name: str) -> Variant:
@@ -101,15 +99,15 @@ def _below(places: dict[DataPath, Any]) -> dict[DataPath, Any]:
     return {path[1:]: place for path, place in places.items() if path[:1] == ("variants",)}
 
 
-def resolve_document(document: Document, path: Path, sets: Sets = (), *, variant: str = "") -> ScenarioFile:
+def resolve_document(document: Document, path: Path, sets: Sets = (), variant: Variant | None = None) -> ScenarioFile:
     """The resolved scenario of a document that is already read; the document is left as it is."""
     document = Document(document.file, copy.deepcopy(document.data), dict(document.keys), dict(document.values))
     if isinstance(document.data, dict):
+        if variant is not None:
+            apply_sets(document, variant.sets, FIELDS, document.place(("variants",), key=True))
         apply_sets(document, sets, FIELDS)
-        if not document.data.get("id"):
-            document.data["id"] = id_of(path)
-        if variant:
-            document.data["id"] = f"{document.data['id']}[{variant}]"
+        name = document.data.get("id") or id_of(path)
+        document.data["id"] = f"{name}[{variant.name}]" if variant is not None else name
     return _Resolver(document).resolved()
 
 

@@ -166,7 +166,7 @@ class ScenarioFile(FileModel):
     time_limit: float = parameter(
         "s", 60.0, low=0.001, high=36000.0, description="the run ends here if the manoeuvre has not ended before"
     )
-    seed: int = Field(default=1, ge=0, le=2**63 - 1, description="of every random number of the run")
+    seed: int = Field(default=1, ge=0, le=2**32 - 1, description="of every random number of the run")
     variants: Variants | None = Field(default=None, description="further runs of this scenario with other values")
 
     @model_validator(mode="after")
