@@ -1,6 +1,5 @@
 """Runs a manoeuvre: tells the driver what to do in each step and goes on to the next when its condition holds."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -114,9 +113,9 @@ class Manoeuvre:
         """Name of the step that is active."""
         return self.phase_names[max(self._number, 0)]
 
-    def names(self) -> Iterator[str]:
+    def names(self) -> tuple[str, ...]:
         """Dotted paths of the parameters that the driver owns."""
-        return iter((BOOSTER_GAIN,))
+        return (BOOSTER_GAIN,)
 
     def get(self, path: str) -> float:
         """Value of a parameter of ``names()``; InputError if there is none of that path."""

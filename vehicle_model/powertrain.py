@@ -5,7 +5,6 @@ a dry friction element in series. Slipping and sticking need no switching then, 
 different parts of the bench, couple through a torque that changes slowly compared with a tick.
 """
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -176,9 +175,9 @@ class Powertrain:
         """
         powertrain_step(self._parameters, self._state, wheel_speed, out, accelerator, clutch, gear)
 
-    def names(self) -> Iterator[str]:
+    def names(self) -> tuple[str, ...]:
         """Dotted paths of all parameters (``driveline.engine.inertia``)."""
-        return iter(parameters.numbers(self._driveline, "driveline."))
+        return tuple(parameters.numbers(self._driveline, "driveline."))
 
     def get(self, path: str) -> float:
         """Value of one parameter, SI; InputError if there is none of that path."""

@@ -4,7 +4,6 @@ The model is told in docs/models/sensors.md.
 """
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,9 +89,9 @@ class Sensors:
         self._row = 0
         self._state[0]["row"] = 0
 
-    def names(self) -> Iterator[str]:
+    def names(self) -> tuple[str, ...]:
         """Dotted paths of all parameters (``sensors.yaw_rate.offset``)."""
-        return iter(parameters.numbers(self._sensors, "sensors."))
+        return tuple(parameters.numbers(self._sensors, "sensors."))
 
     def get(self, path: str) -> float:
         """Value of one parameter, SI; InputError if there is none of that path."""

@@ -92,19 +92,20 @@ def build_parts(scenario: ScenarioFile) -> Parts:
     plant = build_plant(scenario, vehicle, road)
     plant.bind(vector.block("plant"))
     plant.reset(speed_m_s=scenario.initial_speed)
-    manoeuvre = Manoeuvre(scenario.manoeuvre, vector, vehicle)
+    manoeuvre = Manoeuvre(scenario.manoeuvre, vector, vehicle, initial_gear=scenario.initial_gear)
     hydraulic_unit = HydraulicUnit(
         vehicle.numbers("hydraulics") | vehicle.numbers("brakes"),
         scenario.hydraulic_unit.selection_logic,
         scenario.hydraulic_unit.brake,
     )
+    powertrain = Powertrain(vehicle)
     sensors = Sensors(vehicle, scenario.seed)
     table = [*parameter_table(vehicle), *road_parameter_table(road)]
     stimuli = build_stimuli(
         scenario.stimuli,
         vector,
         sensed,
-        accessors([plant, hydraulic_unit, sensors]),
+        accessors([plant, hydraulic_unit, powertrain, manoeuvre, sensors]),
         {info.path: info.unit for info in table},
         manoeuvre.phase_names,
         scenario.seed,
@@ -116,7 +117,7 @@ def build_parts(scenario: ScenarioFile) -> Parts:
         sensed=sensed,
         plant=plant,
         manoeuvre=manoeuvre,
-        powertrain=Powertrain(vehicle),
+        powertrain=powertrain,
         hydraulic_unit=hydraulic_unit,
         sensors=sensors,
         stimuli=stimuli,
