@@ -99,6 +99,8 @@ def explain(error: ValidationError, model: type[BaseModel], data: Any) -> list[_
 def _problems_of(detail: ErrorDetails, model: type[BaseModel], data: Any) -> Iterator[_Problem]:
     path, field, owners = _locate(detail["loc"], model, data)
     kind, value = detail["type"], detail["input"]
+    in_file = _lookup(data, path)
+    value = value if in_file is None else in_file  # as it was written, before it was converted to SI units
     context: dict[str, Any] = detail.get("ctx") or {}
     cause = context.get("error")
     if kind == "missing":
@@ -225,7 +227,7 @@ def _of_field_error(error: FieldError, path: tuple[str | int, ...], data: Any) -
     found = error.found
     if not found and error.at:
         value = _lookup(data, inner)
-        found = brief(value) if value is not None else ""
+        found = brief(value) if value is not None and not isinstance(value, (dict, list)) else ""
     return _Problem(inner, error.problem, found, error.allowed, error.nearest, kind="value_error")
 
 
@@ -304,16 +306,15 @@ def _join_typos(problems: list[_Problem], model: type[BaseModel], data: Any) -> 
     result = [p for p in problems if p.kind not in ("missing", "extra_forbidden")]
     for problem in (p for p in problems if p.kind == "extra_forbidden"):
         parent = problem.path[:-1]
-        given = _lookup(data, parent)
         _, _, owners = _locate(parent, model, data)
         absent = [path[-1] for path in missing if path[:-1] == parent]
-        names = [name for name in _names(owners) if name not in given or name in absent]
+        names = _names(owners)
         wanted = str(problem.path[-1])
         near = nearest_name(wanted, [str(name) for name in absent]) or nearest_name(wanted, names)
         missing.pop((*parent, near), None)
         for name in _needless(near, absent, owners):
             missing.pop((*parent, name), None)
-        allowed = "" if near else _some(names)
+        allowed = "" if near else _some(sorted(set(names) - set(_lookup(data, parent) or ()), key=names.index))
         result.append(replace(problem, nearest=_with_range(near, owners), allowed=allowed))
     return result + list(missing.values())
 

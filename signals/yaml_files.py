@@ -13,7 +13,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from signals.errors import Fault, FileFaults, InputError
+from signals.errors import Fault, FileFaults, InputError, nearest_name
 from signals.validation import field_name, validate
 
 __all__ = ["DataPath", "Document", "Place", "load_yaml", "parse_yaml", "validate"]
@@ -116,7 +116,8 @@ def load_yaml(path: str | Path, *, shown_as: str | None = None) -> Document:
             raise InputError(f"{shown}: larger than {LARGEST_FILE_BYTES // 1_000_000} MB, not a file of the bench")
         content = file.read_bytes()
     except OSError as error:
-        raise InputError(f"{shown}: {_reason(error)}", mend=_neighbours(file)) from None
+        near, mend = _neighbour(file) if isinstance(error, FileNotFoundError) else ("", "")
+        raise InputError(f"{shown}: {_reason(error)}", nearest=near, mend=mend) from None
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -135,14 +136,12 @@ def _reason(error: OSError) -> str:
     return (error.strerror or str(error)).lower()
 
 
-def _neighbours(file: Path) -> str:
-    """Line with the nearest file of the same kind in the same folder, for a name that does not exist."""
-    from signals.errors import nearest_name
-
+def _neighbour(file: Path) -> tuple[str, str]:
+    """The nearest file of the same kind in the same folder, or what to say of the folder."""
     if not file.parent.is_dir():
-        return f"no such folder: {file.parent}"
+        return "", f"no such folder: {file.parent}"
     near = nearest_name(file.name, [entry.name for entry in file.parent.iterdir() if entry.suffix == file.suffix])
-    return f"did you mean {file.parent / near}?" if near else ""
+    return (str(file.parent / near), "") if near else ("", "")
 
 
 def parse_yaml(text: str, file: str) -> Document:
@@ -182,6 +181,9 @@ def _syntax_fault(error: MarkedYAMLError, file: str) -> Fault:
         problem, allowed = "a ':' that starts no field", "one field per line, its value indented or quoted"
     elif "found another document" in problem:
         problem, allowed = "a second document ('---')", "one document per file"
+    elif "flow" in str(error.context) and error.context_mark is not None:
+        opened = f"line {error.context_mark.line + 1}, column {error.context_mark.column + 1}"
+        problem, allowed = f"a bracket is not closed: {problem}", f"',' or the bracket that closes the one in {opened}"
     elif "cannot start any token" in problem:
         allowed = "a text that begins with this character stands in quotes"
     return Fault(file, line, column, "", f"not YAML: {problem}", allowed=allowed)

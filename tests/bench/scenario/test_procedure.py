@@ -130,4 +130,4 @@ def test_faults_of_a_procedure(tmp_path: Path) -> None:
     text = str(caught.value)
     assert "p.yaml:4:18  criteria[0].value: runs have no quantity 'stoping_distance'" in text
     assert "did you mean stopping_distance?" in text
-    assert "p.yaml:5:58  criteria[1].at_least: wrong dimension" in text
+    assert "p.yaml:5:55  criteria[1].at_least: wrong dimension" in text
