@@ -144,6 +144,15 @@ class FrictionSettings(FileModel):
         description="while the brakes hold both axles still, the rates of the friction limits die out with it",
         source="assumed",
     )
+    slowest_pulsed_speed: float = parameter(
+        "rad/s",
+        26.0,
+        low=0.0,
+        high=200.0,
+        description="a wheel in deep slip that reads less has no pulse in each frame: its speed is out of date and left "
+        "out; 48 teeth in 5 ms make 26 rad/s",
+        source="assumed",
+    )
     input_timeout: float = parameter(
         "s", 0.1, low=0.002, high=5.0, description="time without a good sample after which an input is lost"
     )

@@ -67,6 +67,7 @@ def friction_tuning(vehicle: Mapping[str, float], settings: FrictionSettings, sa
     values[step.POST_FILTER] = _POST_FILTERS[settings.post_filter]
     values[step.POST_FILTER_WEIGHT] = min(1.0, sample_time_s / settings.post_filter_time_constant)
     values[step.LOCKED_RATE_DECAY] = math.exp(-sample_time_s / settings.locked_rate_time_constant)
+    values[step.SLOWEST_PULSED] = settings.slowest_pulsed_speed if known else 0.0
     values[step.SUBSTEPS] = 1
     process = np.square(process_deviations(settings)) * (sample_time_s / _REFERENCE_STEP_S)
     values[step.PROCESS_VARIANCE : step.PROCESS_VARIANCE + model.STATES] = process

@@ -73,12 +73,15 @@ from estimators.post_filter import forget, post_filter
     POST_FILTER,
     POST_FILTER_WEIGHT,
     LOCKED_RATE_DECAY,
+    SLOWEST_PULSED,
     SUBSTEPS,
-) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 20)
+) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 21)
 PROCESS_VARIANCE = SUBSTEPS + 1
 MEASUREMENT_VARIANCE = PROCESS_VARIANCE + STATES
 INITIAL_VARIANCE = MEASUREMENT_VARIANCE + MEASUREMENTS
 TUNING_SIZE = INITIAL_VARIANCE + STATES
+DEEP_SLIP = 0.5
+"""Wheel speed over that of the car below which a wheel is on its way to locking."""
 
 # status: one float64 array, then the memories of three post-filters
 ACTIVE, RESETS, CONFIDENT_F, CONFIDENT_R, CONFIDENT_M, INPUT_STATE, INNOVATION, SPEED_ROW_WAIT = range(8)
@@ -222,6 +225,10 @@ def build_measurement(
     measured[ROW_SPEED] = speed_before + acceleration * tuning[SAMPLE_TIME]
     for r in range(MEASUREMENTS):
         rows[r] = ROW_USED
+    if _is_stale(front, RADIUS_F, speed_before, tuning):
+        rows[ROW_WHEEL_F] = ROW_MISSING
+    if _is_stale(rear, RADIUS_R, speed_before, tuning):
+        rows[ROW_WHEEL_R] = ROW_MISSING
     if status[SPEED_ROW_WAIT] > 0.0:
         status[SPEED_ROW_WAIT] -= tuning[SAMPLE_TIME]
         rows[ROW_SPEED] = ROW_MISSING
@@ -234,6 +241,16 @@ def build_measurement(
         rows[ROW_WHEEL_F] = ROW_MISSING
     if not fresh_r:
         rows[ROW_WHEEL_R] = ROW_MISSING
+
+
+@njit(cache=True)
+def _is_stale(wheel_speed: float, radius: int, speed: float, tuning: FloatArray) -> bool:
+    """A locking wheel gives no more pulses: what is left of its measured speed is the age of the last one.
+
+    The brake's known capacity then says when it stands; believed, the lingering speed would be taken for a road that
+    carries the whole torque of the brake.
+    """
+    return 0.0 < wheel_speed < tuning[SLOWEST_PULSED] and tuning[radius] * wheel_speed < DEEP_SLIP * speed
 
 
 @njit(cache=True)
