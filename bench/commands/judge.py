@@ -9,9 +9,9 @@ from bench.commands.options import JsonOption, finish, print_json
 
 
 def judge(
-    run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a run, or a measured MF4 file.")],
-    criteria: Annotated[Path, typer.Option(metavar="FILE", help="Criteria file, or a scenario with criteria.")],
-    channels: Annotated[Path | None, typer.Option(metavar="FILE", help="Channel map of a measured file.")] = None,
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a run, or a log that another tool measured.")],
+    criteria: Annotated[str, typer.Option(metavar="FILE", help="Criteria file, or a scenario with criteria.")],
+    channels: Annotated[Path | None, typer.Option(metavar="FILE", help="Channel map of a foreign log.")] = None,
     vehicle: Annotated[
         str | None, typer.Option(metavar="NAME|FILE", help="Car, for the wheel radius of a measured file.")
     ] = None,
@@ -36,5 +36,5 @@ def judge(
     if as_json:
         print_json(verdict.as_json())
     else:
-        print_summary(out or run, verdict.as_json())
+        print_summary(out or (run if run.is_dir() else run.parent), verdict.as_json())
     finish(verdict.exit_code)

@@ -64,16 +64,18 @@ def judge_recording(
 
 
 def load_criteria(path: str | Path) -> LoadedCriteria:
-    """Read a criteria file, or the criteria of a scenario.
+    """Read a criteria file, or the criteria of a scenario given by its path or id.
 
     Raises
     ------
     InputError
         With the place of every fault.
     """
-    from signals.yaml_files import load_yaml, validate
+    from bench.scenario.documents import read_document
+    from bench.scenario.locate import find_scenario
+    from signals.yaml_files import validate
 
-    document = load_yaml(path)
+    document = read_document(find_scenario(path))
     if isinstance(document.data, dict) and "manoeuvre" in document.data:
         document.data = {key: document.data[key] for key in ("criteria", "valid_if") if key in document.data}
     return LoadedCriteria(validate(document, CriteriaFile), document)
