@@ -1,0 +1,311 @@
+"""Tyres of the Magic Formula with the coefficients of a ``.tir`` file."""
+
+import math
+from pathlib import Path
+from typing import ClassVar, Literal
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from signals.errors import Fault, FileFaults, InputError, unknown_name
+from vehicle_model.plant_record import Record
+from vehicle_model.tyres.magic_formula_coefficients import COEFFICIENT_RECORD, coefficients
+from vehicle_model.tyres.magic_formula_forces import (
+    aligning_moment,
+    ellipse_forces,
+    overturning_moment,
+    plane_forces,
+    rolling_moment,
+)
+from vehicle_model.tyres.magic_formula_record import (
+    COEFFICIENTS,
+    DEVIATIONS,
+    FIELDS,
+    SCALING,
+    TIR_RECORD,
+    VERSION_52,
+    VERSION_61,
+    VERSION_62,
+)
+from vehicle_model.tyres.tir_file import TirFile, missing, read_tir_file
+from vehicle_model.tyres.tyre import Limits, Tyre, TyreForces
+
+CombinedSlip = Literal["auto", "weights", "ellipse"]
+
+_REQUIRED = ("FNOMIN", "UNLOADED_RADIUS", "PCX1", "PDX1", "PKX1", "PCY1", "PDY1", "PKY1", "PKY2")
+# names of PAC2002 files for the same things
+_ALIASES = {"IP": "INFLPRES", "IP_NOM": "NOMPRES", "QPZ1": "PPZ1", "QPZ2": "PPZ2", "QPX1": "PPMX1"}
+_PLAUSIBLE = {
+    "FNOMIN": (10.0, 2e5),
+    "UNLOADED_RADIUS": (0.02, 3.0),
+    "PCX1": (0.05, 3.5),
+    "PDX1": (-10.0, 10.0),
+    "PKX1": (0.5, 500.0),
+    "PCY1": (0.05, 3.5),
+    "PDY1": (-10.0, 10.0),
+    "PKY1": (-500.0, 500.0),
+    "PKY2": (0.01, 1000.0),
+    "LONGVL": (0.01, 500.0),
+}
+_LIMITS = {
+    "slip_ratio": ("KPUMIN", "KPUMAX"),
+    "slip_angle": ("ALPMIN", "ALPMAX"),
+    "camber": ("CAMMIN", "CAMMAX"),
+    "vertical_load": ("FZMIN", "FZMAX"),
+    "inflation_pressure": ("PRESMIN", "PRESMAX"),
+}
+
+
+@njit(cache=True)
+def _evaluate(
+    p: Record,
+    c: Record,
+    inputs: NDArray[np.float64],
+    friction: float,
+    ellipse: bool,
+    mirrored: bool,
+    forces: NDArray[np.float64],
+) -> None:
+    """Rows of (slip ratio, slip angle, camber, load, pressure, speed) to rows of (Fx, Fy, Mx, My, Mz)."""
+    side = -1.0 if mirrored else 1.0
+    for k in range(inputs.shape[0]):
+        kappa, angle, camber = inputs[k, 0], side * inputs[k, 1], side * inputs[k, 2]
+        load, pressure, speed = inputs[k, 3], inputs[k, 4], inputs[k, 5]
+        if load <= 0.0:
+            forces[k, :] = 0.0
+            continue
+        direction = -1.0 if speed < 0.0 else 1.0
+        alpha = direction * (angle if p.VERSION == VERSION_52 else math.tan(angle))  # 4.E3
+        coefficients(p, c, load, camber, pressure, friction)
+        if ellipse:
+            force_x, force_y = ellipse_forces(p, c, kappa, alpha, angle)
+        else:
+            force_x, force_y = plane_forces(p, c, kappa, alpha, angle)
+        forces[k, 0] = force_x
+        forces[k, 1] = side * force_y
+        forces[k, 2] = side * overturning_moment(p, load, camber, pressure, force_y)
+        forces[k, 3] = rolling_moment(p, load, camber, pressure, speed, force_x)
+        forces[k, 4] = side * direction * aligning_moment(p, c, kappa, alpha, angle, force_x, force_y)
+
+
+class MagicFormulaTyre(Tyre):
+    """A tyre of the Magic Formula; its subclasses are the versions.
+
+    Parameters
+    ----------
+    tir : TirFile
+        Coefficients; see ``read_tir``.
+    combined_slip : {"auto", "weights", "ellipse"}
+        The formula's own weights, or a friction ellipse; "auto" takes the ellipse where a file has no weights.
+    deviations : sequence of str
+        Departures of another program from the book that shall be reproduced (``DEVIATIONS``).
+    scale : mapping, optional
+        Scale factors (LMUX, LKY, …) that replace those of the file.
+
+    Raises
+    ------
+    FileFaults
+        If coefficients are missing or absurd.
+    """
+
+    version: ClassVar[float]
+
+    def __init__(
+        self,
+        tir: TirFile,
+        *,
+        combined_slip: CombinedSlip = "auto",
+        deviations: tuple[str, ...] = (),
+        scale: dict[str, float] | None = None,
+    ) -> None:
+        self.name = Path(tir.path).stem
+        self.record = np.zeros(1, TIR_RECORD)
+        self._coefficients = np.zeros(1, COEFFICIENT_RECORD)
+        self.measured_side = tir.texts.get("TYRESIDE", "UNKNOWN").upper()
+        _check(tir)
+        self._fill(tir, deviations, scale or {})
+        has_weights = any(tir.numbers.get(name, 0.0) != 0.0 for name in ("RBX1", "RBY1"))
+        self.uses_ellipse = combined_slip == "ellipse" or (combined_slip == "auto" and not has_weights)
+        self.limits = _limits(tir)
+
+    def _fill(self, tir: TirFile, deviations: tuple[str, ...], scale: dict[str, float]) -> None:
+        p = self.record[0]
+        for name in SCALING:
+            p[name] = 1.0
+        p["PKY4"], p["LONGVL"] = 2.0, 10.0
+        values = {_ALIASES.get(name, name): value for name, value in tir.numbers.items()}
+        for name, value in values.items():
+            if name in FIELDS:
+                p[name] = value
+        for name, value in scale.items():
+            if name not in SCALING:
+                raise unknown_name("scale factor", name, SCALING)
+            p[name] = value
+        if "LIP" in values:
+            p["NOMPRES"] *= values["LIP"]
+        p["VERSION"] = self.version
+        if p["INFLPRES"] <= 0.0:
+            p["INFLPRES"] = p["NOMPRES"]
+        for name in deviations:
+            if name not in DEVIATIONS:
+                raise unknown_name("deviation", name, DEVIATIONS)
+            p[name] = 1.0
+
+    def forces(
+        self,
+        slip_ratio: ArrayLike,
+        slip_angle: ArrayLike,
+        camber: ArrayLike,
+        vertical_load: ArrayLike,
+        inflation_pressure: ArrayLike | None = None,
+        speed: ArrayLike | None = None,
+        *,
+        friction: float = 1.0,
+        mirrored: bool = False,
+        check: bool = True,
+    ) -> TyreForces:
+        """Forces and moments in steady state (see ``Tyre.forces``)."""
+        p = self.record[0]
+        given = (
+            slip_ratio,
+            slip_angle,
+            camber,
+            vertical_load,
+            float(p["INFLPRES"]) if inflation_pressure is None else inflation_pressure,
+            float(p["LONGVL"]) if speed is None else speed,
+        )
+        columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in given))
+        if check:
+            self.limits.check(self.name, dict(zip(_LIMITS, columns[:5], strict=True)))
+        shape = columns[0].shape
+        inputs = np.stack([column.ravel() for column in columns], axis=1)
+        result = np.empty((inputs.shape[0], 5))
+        _evaluate(p, self._coefficients[0], inputs, friction, self.uses_ellipse, mirrored, result)
+        return TyreForces(*(result[:, k].reshape(shape)[()] for k in range(5)))
+
+    def stiffnesses(self, vertical_load: float, inflation_pressure: float | None = None) -> tuple[float, float]:
+        """Slopes of the pure curves at zero slip: dFx/dslip ratio [N] and dFy/dslip angle [N/rad]."""
+        pressure = float(self.record["INFLPRES"][0]) if inflation_pressure is None else inflation_pressure
+        c = self._coefficients[0]
+        coefficients(self.record[0], c, vertical_load, 0.0, pressure, 1.0)
+        return float(c["stiffness_x"]), float(c["stiffness_y"])
+
+    def relaxation_lengths(self, vertical_load: float, inflation_pressure: float | None = None) -> tuple[float, float]:
+        """Longitudinal and lateral relaxation length [m] at a load; 0 where the file tells nothing.
+
+        5.2: PTX, PTY; 6.x: slip stiffness over the carcass stiffness (Pacejka 2012, 7.7 with PCFX, PCFY).
+        """
+        p = self.record[0]
+        nominal = p["FNOMIN"] * p["LFZO"]
+        dfz = (vertical_load - nominal) / nominal
+        if self.version == VERSION_52:
+            length_x = (p["PTX1"] + p["PTX2"] * dfz) * math.exp(p["PTX3"] * dfz)
+            length_x *= vertical_load * p["UNLOADED_RADIUS"] / nominal * p["LSGKP"]
+            length_y = 0.0
+            if p["PTY2"] != 0.0:
+                length_y = p["PTY1"] * math.sin(2.0 * math.atan(vertical_load / (p["PTY2"] * nominal)))
+                length_y *= p["UNLOADED_RADIUS"] * p["LFZO"] * p["LSGAL"]
+            return float(length_x), float(length_y)
+        pressure = float(p["INFLPRES"]) if inflation_pressure is None else inflation_pressure
+        dpi = (pressure - p["NOMPRES"]) / p["NOMPRES"] if p["NOMPRES"] > 0.0 else 0.0
+        stiffness_x, stiffness_y = self.stiffnesses(vertical_load, pressure)
+        lengths = []
+        for slip_stiffness, carcass, names in (
+            (stiffness_x, p["LONGITUDINAL_STIFFNESS"], ("PCFX1", "PCFX2", "PCFX3")),
+            (stiffness_y, p["LATERAL_STIFFNESS"], ("PCFY1", "PCFY2", "PCFY3")),
+        ):
+            first, second, third = (p[name] for name in names)
+            carcass = carcass * (1.0 + first * dfz + second * dfz * dfz) * (1.0 + third * dpi)
+            lengths.append(abs(slip_stiffness) / carcass if carcass > 0.0 else 0.0)
+        return float(lengths[0]), float(lengths[1])
+
+
+class MagicFormula52(MagicFormulaTyre):
+    """Magic Formula 5.2 (Pacejka 2006; the PAC2002 tyre of Adams is the same but for its pressure terms)."""
+
+    version = VERSION_52
+
+
+class MagicFormula61(MagicFormulaTyre):
+    """Magic Formula 6.1 (Pacejka 2012), turn slip off."""
+
+    version = VERSION_61
+
+
+class MagicFormula62(MagicFormulaTyre):
+    """Magic Formula 6.2: 6.1 with more terms in the overturning moment."""
+
+    version = VERSION_62
+
+
+_BY_FITTYP = {
+    5: MagicFormula52,
+    6: MagicFormula52,
+    51: MagicFormula52,
+    52: MagicFormula52,
+    60: MagicFormula61,
+    61: MagicFormula61,
+    62: MagicFormula62,
+}
+
+
+def _check(tir: TirFile) -> None:
+    faults: list[Fault] = missing(tir, _REQUIRED)
+    for name, (low, high) in _PLAUSIBLE.items():
+        value = tir.numbers.get(name)
+        if value is not None and not low <= value <= high:
+            faults.append(tir.fault(name, "absurd value", found=f"{value:g}", allowed=f"{low:g}…{high:g}"))
+    for name in COEFFICIENTS & tir.numbers.keys():
+        if not abs(tir.numbers[name]) < 1e6:
+            faults.append(tir.fault(name, "absurd value", found=f"{tir.numbers[name]:g}", allowed="below 1e6"))
+    for name in COEFFICIENTS & tir.texts.keys():
+        faults.append(tir.fault(name, "not a number", found=repr(tir.texts[name])))
+    if faults:
+        raise FileFaults(faults, tir.path)
+
+
+def _limits(tir: TirFile) -> Limits:
+    ranges = {}
+    for quantity, (low, high) in _LIMITS.items():
+        at_least, at_most = tir.numbers.get(low, -math.inf), tir.numbers.get(high, math.inf)
+        ranges[quantity] = (at_least, at_most) if at_least < at_most else (-math.inf, math.inf)
+    return Limits(ranges)
+
+
+def read_tir(
+    path: str | Path,
+    *,
+    combined_slip: CombinedSlip = "auto",
+    deviations: tuple[str, ...] = (),
+    scale: dict[str, float] | None = None,
+) -> MagicFormulaTyre:
+    """Read a ``.tir`` file of Magic Formula 5.2, 6.1 or 6.2 or of PAC2002 into a tyre.
+
+    Parameters
+    ----------
+    path
+        The file; SI units.
+    combined_slip, deviations, scale
+        See ``MagicFormulaTyre``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is of another formula, lacks coefficients or has absurd ones.
+    """
+    tir = read_tir_file(path)
+    file_format = tir.texts.get("PROPERTY_FILE_FORMAT", "").upper()
+    fitted = tir.numbers.get("FITTYP")
+    if file_format == "PAC2002":
+        kind: type[MagicFormulaTyre] = MagicFormula52
+    elif fitted is not None and int(fitted) in _BY_FITTYP:
+        kind = _BY_FITTYP[int(fitted)]
+    else:
+        name = "FITTYP" if "FITTYP" in tir.lines else "PROPERTY_FILE_FORMAT"
+        found = f"{fitted:g}" if fitted is not None else repr(file_format or "nothing")
+        allowed = "FITTYP 5, 6, 51, 52 (5.2), 60, 61 (6.1), 62 (6.2), or PROPERTY_FILE_FORMAT 'PAC2002'"
+        if name not in tir.lines:
+            raise InputError(f"{path}: section [MODEL] does not say which formula", allowed=allowed)
+        raise FileFaults([tir.fault(name, "unknown formula", found=found, allowed=allowed)], tir.path)
+    return kind(tir, combined_slip=combined_slip, deviations=deviations, scale=scale)
