@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bench.report.formatting import display, metric_label, number
+from bench.report.formatting import limits_text, metric_label, number, quantity
 from bench.report.run_data import RunData
 from bench.report.summary import VERDICT_STYLES
 from signals.wheels import WHEELS
@@ -108,12 +108,14 @@ def _criteria(a: RunData, b: RunData) -> list[dict[str, Any]]:
     found = []
     for name in dict.fromkeys([*tables[0], *tables[1]]):
         left, right = tables[0].get(name, {}), tables[1].get(name, {})
+        unit = left.get("unit") or right.get("unit") or "1"
         found.append(
             {
                 "id": name,
                 "a": {key: left.get(key) for key in ("value", "verdict")},
                 "b": {key: right.get(key) for key in ("value", "verdict")},
-                "unit": left.get("unit") or right.get("unit") or "1",
+                "unit": unit,
+                "limits": limits_text(left.get("limits") or right.get("limits"), unit),
             }
         )
     return found
@@ -144,10 +146,7 @@ def figure_texts(figure: Difference) -> tuple[str, str, str, str, str]:
     words, _ = metric_label(figure.name) if " " not in figure.name else (_spaced(figure.name), "")
 
     def shown(value: float | None) -> str:
-        if value is None:
-            return "–"
-        number_shown, unit = display(value, figure.unit)
-        return f"{number(number_shown)} {unit}".rstrip()
+        return quantity(value, figure.unit)
 
     difference = figure.difference
     sign = "+" if difference is not None and difference > 0 else ""
@@ -196,12 +195,16 @@ def _settings_table(settings: list[Setting]) -> Table:
 def _criteria_table(criteria: list[dict[str, Any]]) -> Table:
     table = _plain_table("\ncriterion", "\nA", "\nB", numbers=0)
     for entry in criteria:
-        cells = [
-            Text(str(entry[run]["verdict"] or "–"), style=VERDICT_STYLES.get(str(entry[run]["verdict"]), "dim"))
-            for run in ("a", "b")
-        ]
-        table.add_row(str(entry["id"]).replace("_", " "), *cells)
+        table.add_row(str(entry["id"]).replace("_", " "), *(_criterion_cell(entry, run) for run in ("a", "b")))
     return table
+
+
+def _criterion_cell(entry: dict[str, Any], run: str) -> Text:
+    """Value and verdict; only the value of a figure that has no limits."""
+    value, verdict = quantity(entry[run]["value"], entry["unit"]), entry[run]["verdict"]
+    if not entry["limits"] or verdict is None:
+        return Text(value, style="dim")
+    return Text.assemble((f"{verdict}  ", VERDICT_STYLES.get(str(verdict), "magenta")), value)
 
 
 def _figure_table(figures: list[Difference]) -> Table:

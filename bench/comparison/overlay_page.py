@@ -9,7 +9,7 @@ import numpy as np
 from bench.comparison.compare import Comparison, figure_texts
 from bench.report.brake_charts import BAR, WHEEL_WORDS
 from bench.report.charts import Chart, ChartBook, LineChart, Series
-from bench.report.formatting import VERDICT_SYMBOLS
+from bench.report.formatting import VERDICT_SYMBOLS, quantity
 from bench.report.motion_charts import DEGREES, FAST_M_S, KMH, STANDING_M_S
 from bench.report.page_rendering import render
 from bench.report.run_data import FloatArray, RunData
@@ -31,7 +31,10 @@ def build_page(comparison: Comparison, path: Path) -> Path:
         "runs": [("A", comparison.a), ("B", comparison.b)],
         "symbols": VERDICT_SYMBOLS,
         "settings": comparison.settings,
-        "criteria": comparison.criteria,
+        "criteria": [
+            {**entry, "shown": [quantity(entry[run]["value"], entry["unit"]) for run in ("a", "b")]}
+            for entry in comparison.criteria
+        ],
         "figures": [figure_texts(figure) for figure in comparison.figures],
         "book": book,
         "ranges": [("everything", *span), ("stop", 0.0, max(span[1], 0.1))],

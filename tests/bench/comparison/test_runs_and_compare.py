@@ -5,6 +5,7 @@ from typing import Any
 
 import made_up_stop
 import pytest
+from browser import Browser
 from rich.console import Console
 from typer import Typer
 from typer.testing import CliRunner
@@ -138,3 +139,20 @@ def test_runs_without_signals_still_compare(runs_folder: Path, tmp_path: Path) -
     comparison = compare(load_run(tmp_path / "a"), load_run(tmp_path / "b"))
     page = build_page(comparison, tmp_path / "overlay.html").read_text("utf-8")
     assert "stopping distance" in page
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize(("width", "dark"), [(400, False), (400, True), (1600, False), (1600, True)])
+def test_page_is_drawn_without_complaint(
+    chromium: Browser, runs_folder: Path, tmp_path: Path, width: int, dark: bool
+) -> None:
+    comparison = compare(load_run(runs_folder / "dry-1"), load_run(runs_folder / "no_ecu-2"))
+    page = chromium.open(build_page(comparison, tmp_path / "overlay.html"), width=width, dark=dark)
+    assert page.console_messages() == []
+    assert [url for url in page.requests() if not url.startswith(("file:", "data:"))] == []
+    assert page.run("return document.documentElement.scrollWidth") <= width
+    lengths = page.run(
+        "return [...document.querySelectorAll('path.curve[data-series]')].map((c) => c.getAttribute('d').length)"
+    )
+    assert len(lengths) >= 30
+    assert min(lengths) > 20
