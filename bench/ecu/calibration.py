@@ -9,7 +9,7 @@ from signals.errors import unknown_name
 from signals.quantities import FileModel, parameter
 
 _FOLDER = Path(__file__).parent / "calibrations"
-CALIBRATIONS = ("sensitive", "coarse")
+CALIBRATIONS = tuple(sorted(path.stem for path in _FOLDER.glob("*.yaml")))
 
 
 class Car(FileModel):

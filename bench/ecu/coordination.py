@@ -10,8 +10,8 @@ from bench.ecu.slip_control import advance_phase, assess_wheel, begin_hold, set_
 _FRONT_LEFT, _FRONT_RIGHT, _REAR_LEFT, _REAR_RIGHT = range(4)
 EQUAL, EQUAL_PA = 0.95, 4e5
 """Select low: rear pressures that differ by less than this are taken for equal."""
-RETURN_TASKS = 60
-"""Time that a wheel has to come back after it was released to find the car's speed."""
+RETURN_TASKS, RETURNED = 60, 0.8
+"""Time that a wheel has to come back after it was released to find the car's speed, and the share when it is back."""
 
 
 @njit(cache=True)
@@ -28,7 +28,6 @@ def _select_low(state: Any) -> None:
     """Keep the rear wheel with more pressure near the other one: the wheel nearer to locking leads both."""
     higher = _REAR_LEFT if state.pressure[_REAR_LEFT] > state.pressure[_REAR_RIGHT] else _REAR_RIGHT
     lower = 5 - higher
-    state.returning_tasks[lower] = max(state.returning_tasks[lower] - 1, 0)
     lead = state.pressure[lower]
     if state.returning_tasks[lower] > 0:
         # released to find the car's speed: what counts is the pressure that it had
@@ -61,6 +60,8 @@ def control_slip(calibration: Any, state: Any) -> None:
         if wheel == state.underbraked_wheel and state.phase[wheel] > BUILD_UP:
             _underbrake(calibration, state, wheel)
         else:
+            back = state.pressure[wheel] > RETURNED * state.road_pressure[wheel]
+            state.returning_tasks[wheel] = 0 if back else max(state.returning_tasks[wheel] - 1, 0)
             advance_phase(calibration, state, wheel, True)
         if state.phase[wheel] > BUILD_UP:
             controlled += 1

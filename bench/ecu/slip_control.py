@@ -18,9 +18,9 @@ LEAST_ROAD_PRESSURE_PA = 2e5
 FULL_TURN = 5.0
 """Lateral acceleration, m/s^2, at which the rear thresholds are reduced most."""
 FALLEN_SINCE = 1.35
-HEAVY_PULSE = 0.3
-GAP_GROWTH = 1.0
-LIGHT_PULSE = 0.12
+"""Pressure when a wheel turned round over that when it is seen, while the outlet is open."""
+HEAVY_PULSE, LIGHT_PULSE = 0.3, 0.12
+"""Pulse weights: above the first no pulse follows without a gap, below the second pulses are as long as calibrated."""
 LEAST_STEP_PA = 1.5e5
 CALM_TASKS = 20
 """Rebuilt to the driver's pressure and calm for this long: the wheel needs no control any more."""
@@ -109,7 +109,7 @@ def _learn_road_pressure(state: Any, wheel: int) -> None:
     rising = state.acceleration[wheel] > state.predicted_acceleration
     turned = rising and not state.was_rising[wheel] and state.phase[wheel] in (RELEASE, WAIT)
     state.was_rising[wheel] = 1 if rising else 0
-    if turned and wheel != state.underbraked_wheel:
+    if turned and state.returning_tasks[wheel] == 0:
         # while the outlet is open, pressure has fallen on since the wheel really turned
         late = FALLEN_SINCE if state.phase[wheel] == RELEASE else 1.1
         state.road_pressure[wheel] = min(state.road_pressure[wheel], late * state.pressure[wheel])
@@ -141,11 +141,10 @@ def _release_has_acted(calibration: Any, state: Any, wheel: int) -> bool:
 @njit(cache=True)
 def _gap_tasks(calibration: Any, state: Any, wheel: int) -> float:
     """Hold between two build pulses: none far below what the road bears, longer where a pulse weighs much."""
-    if state.pressure[wheel] < calibration.pressure_fast_rebuild * state.road_pressure[wheel]:
-        weight = _pulse_weight(calibration, state, wheel)
-        if weight < HEAVY_PULSE:
-            return 0.0
-    gap = calibration.pressure_pulse_gap_tasks * (1.0 + GAP_GROWTH * _pulse_weight(calibration, state, wheel))
+    weight = _pulse_weight(calibration, state, wheel)
+    if state.pressure[wheel] < calibration.pressure_fast_rebuild * state.road_pressure[wheel] and weight < HEAVY_PULSE:
+        return 0.0
+    gap = calibration.pressure_pulse_gap_tasks * (1.0 + weight)
     return gap / 3.0 if state.pulses[wheel] > calibration.pressure_quick_after_pulses else gap
 
 
