@@ -100,10 +100,12 @@ def run(
         sets=sets,
         variant=variant,
     )
-    from bench.loop.connection import check_combination
-    from bench.loop.runs import run_in_memory, run_recorded
+    from bench.loop.connection import check_combination, probe_link
 
     check_combination(resolved)
+    probe_link(resolved)
+    from bench.loop.runs import run_in_memory, run_recorded
+
     if not record:
         return run_in_memory(resolved)
     return run_recorded(resolved, None if out is None else Path(out), dashboard=dashboard, progress=progress)

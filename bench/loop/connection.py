@@ -18,6 +18,8 @@ from bench.scenario.schema import Ecu, ScenarioFile
 from signals.errors import InputError, RunError
 
 BARRIER_NAME = "barrier"
+SILENCE_TICKS = 1000
+"""An ECU from which no good frame came for longer has fallen silent: far beyond what it may miss of its 20 ms cycle."""
 START_TIMEOUT_S = 60.0
 """Time for the emulated ECU's process to start, its code compiled or loaded."""
 
@@ -36,6 +38,8 @@ def check_combination(scenario: ScenarioFile) -> None:
             "lock-step with an external ECU: it has its own clock and cannot follow virtual time",
             mend="use --realtime, or --ecu emulated",
         )
+    if lockstep and (link or "").partition(":")[0] == "slcan":
+        raise _own_time(f"link {link}")
     if link == "virtual" and kind in ("emulated", "external"):
         raise InputError(
             f"link virtual with --ecu {kind}: a virtual link does not leave this process",
@@ -46,6 +50,10 @@ def check_combination(scenario: ScenarioFile) -> None:
             f"link {link} with --ecu inprocess: a controller in this process needs no link",
             mend="leave --link out, or use --ecu emulated",
         )
+
+
+def _own_time(link: str) -> InputError:
+    return InputError(f"lock-step on {link}: a real bus keeps its own time", mend="use --realtime")
 
 
 @dataclass
@@ -65,11 +73,24 @@ class Connection:
     expect: str = "alive"
     barrier_folder: "tempfile.TemporaryDirectory[str] | None" = None
 
-    def watch(self, tick: int) -> None:
-        """Raise RunError if the emulated ECU has ended although the scenario wants it alive."""
-        if self.ecu is not None and self.expect == "alive" and self.ecu.exit_code is not None:
+    def watch(self, silent_ticks: int) -> None:
+        """Raise RunError if the scenario wants the ECU alive and it has ended or fallen silent.
+
+        Parameters
+        ----------
+        silent_ticks : int
+            Ticks since its last good frame.
+        """
+        if self.expect != "alive":
+            return
+        if self.ecu is not None and self.ecu.exit_code is not None:
             raise RunError(
                 f"the emulated ECU ended during the run (exit code {self.ecu.exit_code})", mend="see log.txt"
+            )
+        if silent_ticks > SILENCE_TICKS:
+            raise RunError(
+                f"the ECU on {self.link_text} fell silent: no good frame for {silent_ticks / 1000:.1f} s",
+                mend="check its supply and the link, or declare ecu.expect: lost in the scenario",
             )
 
     def kill_ecu(self) -> None:
@@ -89,6 +110,30 @@ class Connection:
         if self.barrier_folder is not None:
             self.barrier_folder.cleanup()
         return code
+
+
+def probe_link(scenario: ScenarioFile) -> None:
+    """Open and close the link that a scenario names, so that one that is not there ends the run before it begins.
+
+    Raises
+    ------
+    InputError
+        If the text is no link, or lock-step does not go with it.
+    LinkError
+        If it does not exist or is not permitted.
+    """
+    if scenario.ecu.kind != "inprocess" and scenario.ecu.link not in (None, "virtual"):
+        _open_link(scenario).close()
+
+
+def _open_link(scenario: ScenarioFile) -> Link:
+    from bench.links.registry import default_link_text, open_link
+
+    link = open_link(scenario.ecu.link or default_link_text(), role="bench")
+    if scenario.pacing == "lockstep" and not link.supports_lockstep:
+        link.close()
+        raise _own_time(f"link {link.text}")
+    return link
 
 
 def connect(scenario: ScenarioFile, codec: Any, cores: CorePlan, log: IO[bytes] | None = None) -> Connection:
@@ -113,13 +158,8 @@ def connect(scenario: ScenarioFile, codec: Any, cores: CorePlan, log: IO[bytes] 
 
 
 def _connect_link(scenario: ScenarioFile, cores: CorePlan, log: IO[bytes] | None) -> Connection:
-    from bench.links.registry import default_link_text, open_link
-
     ecu = scenario.ecu
-    link = open_link(ecu.link or default_link_text(), role="bench")
-    if scenario.pacing == "lockstep" and not link.supports_lockstep:
-        link.close()
-        raise InputError(f"lock-step on {link.kind}: this kind of link keeps its own time", mend="use --realtime")
+    link = _open_link(scenario)
     if ecu.kind == "emulated":
         connect_emulated = _in_lockstep if scenario.pacing == "lockstep" else _in_real_time
         return connect_emulated(ecu, link, cores, log)

@@ -174,6 +174,10 @@ class BarrierEcu:
         self._sent[:count] = frames[:count]
         self._sent_count = count
 
+    def silence(self) -> None:
+        """The peer has been killed: what it may have sent in this tick is lost, so that its last frame is definite."""
+        self._lost = True
+
     def close(self) -> None:
         """End the barrier and close the link."""
         self._barrier.close()

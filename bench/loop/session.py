@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.codec.codec import Codec, Receiver, Transmitter
+from bench.codec.tables import LAST_TICK
 from bench.loop.connection import Connection
 from bench.loop.estimation import EstimatorSlot, NamedEstimator, create_estimators
 from bench.loop.pacing import TickTimes
@@ -205,12 +206,17 @@ class Session:
             pacer.done(n)
             self.ticks_done = n + 1
             if tick.finished:
-                return
+                break
             if self._kill_ecu is not None and self._kill_ecu(0.0):
                 self._connection.kill_ecu()
                 self._kill_ecu = None
             if n % WATCH_TICKS == 0:
-                self._connection.watch(n)
+                self._watch()
+        self._watch()
+
+    def _watch(self) -> None:
+        last_heard = max(self.parts.from_ecu.messages[:, LAST_TICK].max(), 0)
+        self._connection.watch(self.ticks_done - int(last_heard))
 
 
 def timing_extras(parts: Parts) -> dict[str, Any]:
