@@ -21,7 +21,6 @@ from bench.ecu.pressure_estimate import estimate_pressures
 from bench.ecu.records import (
     BRAKE,
     PRESENT,
-    SOURCES,
     STATE_RECORD,
     bus_position,
     calibration_record,
@@ -144,13 +143,6 @@ class Controller:
     def records(self) -> tuple[NDArray[np.void], NDArray[np.void]]:
         """Calibration and memory, as ``controller_task`` takes them."""
         return self._record, self._state
-
-    def fresh_ages(self) -> NDArray[np.int64]:
-        """Health of the sources when all of them are there and up to date."""
-        health = np.zeros((len(SOURCES), 4), np.int64)
-        health[:, 2] = (5, 5, 5, 5, 5, 5, 10, 20, 5)
-        health[:, 3] = 1
-        return health
 
     def task(self, values: NDArray[np.float64], health: NDArray[np.int64], command: NDArray[np.float64]) -> None:
         """Run the 5 ms task; arguments as in ``controller_task``."""

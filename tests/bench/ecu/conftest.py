@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from bench.codec.codec import AGE_NAMES, Codec
 from bench.ecu.controller import Controller
 from bench.ecu.node import EcuNode
+from bench.ecu.records import PERIOD_TICKS, PRESENT, SOURCES
 from bench.links.frame import new_frames
 from hydraulics import HydraulicUnit
 from signals.catalogue import block_slice, names
@@ -103,6 +104,14 @@ def _edges(angle: Any, before: Any, time: float, pitch: Any, count: Any, stamp: 
             count[w] = number
 
 
+def fresh_health() -> NDArray[np.int64]:
+    """Health of the ECU's sources when all of them are there and up to date."""
+    health = np.zeros((len(SOURCES), 4), np.int64)
+    health[:, PERIOD_TICKS] = (5, 5, 5, 5, 5, 5, 10, 20, 5)
+    health[:, PRESENT] = 1
+    return health
+
+
 @dataclass
 class Trace:
     """What a stop looked like, one row per millisecond."""
@@ -169,7 +178,7 @@ class Stop:
         state[0], state[4:8] = self.start_speed, self.start_speed / RADIUS
         count, stamp = np.zeros(4, np.int64), np.zeros(4)
         values, command, hydraulics = np.zeros(len(BUS)), np.zeros(len(BUS)), np.zeros(14)
-        ages = controller.fresh_ages()
+        ages = fresh_health()
         valves = np.zeros(9)
         curve = np.array(SURFACES[self.surface])
         acceleration = 0.0
