@@ -18,7 +18,8 @@ from bench.loop.scheduling import plan_cores, real_time_process
 from bench.loop.timing import summarise
 from bench.scenario.resolution import resolve
 
-SCENARIO = "stops/hold_speed"
+SCENARIO = "stops/ice"
+"""A stop that lasts longer than any slice."""
 
 
 def empty_loop(seconds: float, fifo: bool) -> TickTimes:
@@ -51,8 +52,22 @@ def show(name: str, times: TickTimes) -> None:
     print(
         f"{name:9s} {times.count} ticks  lateness us p50 {late['p50']:.1f}  p99 {late['p99']:.1f}  "
         f"p99.9 {late['p999']:.1f}  max {late['max']:.0f}  late {s['late_ticks']} (ours {s['late_ticks_ours']}, "
-        f"machine {s['late_ticks_machine']})  skipped {s['skipped_ticks']}  cpu us p50 {cpu['p50']:.0f} p99 {cpu['p99']:.0f}"
+        f"machine {s['late_ticks_machine']})  skipped {s['skipped_ticks']}  "
+        f"cpu us p50 {cpu['p50']:.0f}  p99 {cpu['p99']:.0f}"
     )
+
+
+def alternate(folder: Path, slices: int, slice_s: float, *, fifo: bool, dashboard: bool) -> tuple[TickTimes, TickTimes]:
+    """Slices of the bench and of the empty loop in turn; the times of each."""
+    bench_times: list[TickTimes] = []
+    empty_times: list[TickTimes] = []
+    scenario = resolve(SCENARIO, {"pacing": "realtime", "time_limit": slice_s})
+    for n in range(slices):
+        run = run_recorded(scenario, folder / f"slice{n}", dashboard=dashboard, fifo=fifo, times=bench_times)
+        if run.verdict.errors:
+            raise SystemExit(f"the run failed: {run.verdict.errors}")
+        empty_times.append(empty_loop(slice_s, fifo))
+    return joined(bench_times), joined(empty_times)
 
 
 def main() -> None:
@@ -63,21 +78,18 @@ def main() -> None:
     parser.add_argument("--no-fifo", action="store_true", help="measure as a user without rights")
     parser.add_argument("--no-dashboard", action="store_true")
     arguments = parser.parse_args()
-    fifo = not arguments.no_fifo
-    bench_times: list[TickTimes] = []
-    empty_times: list[TickTimes] = []
-    scenario = resolve(SCENARIO, {"pacing": "realtime", "time_limit": arguments.slice})
+    slices = max(1, round(arguments.seconds / arguments.slice))
     with tempfile.TemporaryDirectory() as folder:
-        for n in range(max(1, round(arguments.seconds / arguments.slice))):
-            run = run_recorded(
-                scenario, Path(folder) / f"slice{n}", dashboard=not arguments.no_dashboard, fifo=fifo, times=bench_times
-            )
-            if run.verdict.errors:
-                raise SystemExit(f"the run failed: {run.verdict.errors}")
-            empty_times.append(empty_loop(arguments.slice, fifo))
+        bench_times, empty_times = alternate(
+            Path(folder),
+            slices,
+            arguments.slice,
+            fifo=not arguments.no_fifo,
+            dashboard=not arguments.no_dashboard,
+        )
     print(f"cores {sorted(os.sched_getaffinity(0))}, loop on {sorted(plan_cores().loop)}")
-    show("bench", joined(bench_times))
-    show("empty", joined(empty_times))
+    show("bench", bench_times)
+    show("empty", empty_times)
 
 
 if __name__ == "__main__":

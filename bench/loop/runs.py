@@ -46,12 +46,14 @@ def run_in_memory(scenario: ScenarioFile, *, keep_frames: bool = True) -> Run:
     connection = connect(scenario, parts.codec, plan_cores())
     pacer = make_pacer(scenario, parts.ticks)
     began = time.perf_counter()
+    realtime = scenario.pacing == "realtime"
     try:
         session = Session(parts, connection)
-        session.run(recorder, pacer)
+        with real_time_process(plan_cores()) if realtime else nullcontext(SchedulingReport()) as scheduling:
+            session.run(recorder, pacer)
     finally:
         connection.close()
-    timing = _timing(parts, pacer, connection, SchedulingReport(), session.ticks_done, time.perf_counter() - began)
+    timing = _timing(parts, pacer, connection, scheduling, session.ticks_done, time.perf_counter() - began)
     data = RunArrays.from_matrix(
         recorder.rows, parts.vector.signals, phase_names=parts.manoeuvre.phase_names, timing=timing
     )
