@@ -43,11 +43,12 @@ def match(
     announced: NDArray[np.uint64],
     announced_count: int,
     signatures: NDArray[np.uint64],
-    count: int,
+    start: int,
+    end: int,
     places: NDArray[np.int64],
     taken: NDArray[np.bool_],
 ) -> int:
-    """Find each announced frame among those received; returns how many are still missing.
+    """Find announced frames among those received in ``start … end − 1``; returns how many are still missing.
 
     ``places[i]`` receives the place of announced frame i (the first unused one that fits), −1 if it is missing;
     ``taken`` marks those places. Entries that are found already stay.
@@ -56,7 +57,7 @@ def match(
     for i in range(announced_count):
         if places[i] >= 0:
             continue
-        for k in range(count):
+        for k in range(start, end):
             if not taken[k] and signatures[k] == announced[i]:
                 places[i] = k
                 taken[k] = True
@@ -164,16 +165,17 @@ class Collector:
         early = self._held_count
         self._taken[:early] = False
         self._read(link)
-        if self._missing(count):
-            self._wait_for(count, frames_tick, link, wait_s)
+        missing: int = match(self._announced, count, self._signatures, 0, self._held_count, self._places, self._taken)
+        if missing:
+            self._wait_for(count, missing, frames_tick, link, wait_s)
         held_count, places, taken = self._held_count, self._places, self._taken
         total: int = hand_on(self._held, early, count, places, taken, frames_tick, link.peer_sender, into)
         self._held_count = keep_early(self._held, self._signatures, early, held_count, taken)
         return total
 
-    def _wait_for(self, count: int, frames_tick: int, link: Link, wait_s: float) -> None:
+    def _wait_for(self, count: int, missing: int, frames_tick: int, link: Link, wait_s: float) -> None:
         deadline = time.monotonic() + wait_s
-        while missing := self._missing(count):
+        while missing:
             left = deadline - time.monotonic()
             if left <= 0.0:
                 raise LinkError(
@@ -181,13 +183,15 @@ class Collector:
                     mend="see the link's overflows; does another program flood the bus?",
                 )
             link.wait(min(left, 0.1))
+            searched = self._held_count
             self._read(link)
-
-    def _missing(self, count: int) -> int:
-        missing: int = match(self._announced, count, self._signatures, self._held_count, self._places, self._taken)
-        return missing
+            missing = match(
+                self._announced, count, self._signatures, searched, self._held_count, self._places, self._taken
+            )
 
     def _read(self, link: Link) -> None:
+        if self._held_count == len(self._held):
+            self._grow()
         number = link.receive(self._held, self._held_count)
         if number:
             end = self._held_count + number
@@ -195,12 +199,18 @@ class Collector:
             self._taken[self._held_count : end] = False
             self._held_count = end
 
+    def _grow(self) -> None:
+        """Make room for twice as many: strangers' frames stand before those that are waited for."""
+        self._held = np.concatenate([self._held, new_frames(len(self._held))])
+        self._signatures = np.concatenate([self._signatures, np.zeros_like(self._signatures)])
+        self._taken = np.concatenate([self._taken, np.zeros_like(self._taken)])
+
 
 def warm_up() -> None:
     """Compile now: the peer must not time out meanwhile."""
     frames, one, taken = new_frames(1), np.zeros(1, np.uint64), np.zeros(1, np.bool_)
     places = np.full(1, -1, np.int64)
     sign(frames, 0, 1, one)
-    match(one, 1, one, 1, places, taken)
+    match(one, 1, one, 0, 1, places, taken)
     hand_on(frames, 0, 1, places, taken, 0, 0, new_frames(1))
     keep_early(frames, one, 0, 1, taken)

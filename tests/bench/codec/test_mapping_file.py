@@ -9,9 +9,10 @@ import pytest
 
 from bench.codec.codec import AGE_NAMES, Codec
 from bench.codec.database import shipped_database
-from bench.codec.mapping_file import BUS_NAMES
+from bench.codec.mapping_file import BUS_NAMES, MappingFile
 from bench.links.frame import EXTENDED, new_frames
 from signals.errors import BenchError, FileFaults, InputError
+from signals.yaml_files import parse_yaml, validate
 
 OWN_DBC = """VERSION ""
 BU_: GATEWAY ABS_UNIT
@@ -213,3 +214,11 @@ def test_checking_a_known_database_imports_nothing_heavy() -> None:
     )
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert result.stdout == "[]\n"
+
+
+def test_the_manuals_example_is_a_mapping_file() -> None:
+    manual = (Path(__file__).parents[3] / "docs" / "bus.md").read_text()
+    example = manual.split("```yaml\n")[1].split("```")[0]
+    mapping = validate(parse_yaml(example, "docs/bus.md"), MappingFile)
+    assert mapping.signals["pump"].scale == -1.0
+    assert mapping.messages["PRESSURE"].cycle == 0.01

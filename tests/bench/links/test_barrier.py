@@ -13,6 +13,7 @@ import pytest
 from bench.links.available import MULTICAST_ROUTE, multicast_works
 from bench.links.barrier import BarrierClient, BarrierServer, PeerLost, PeerSilent
 from bench.links.frame import BENCH, FOREIGN, make_frame, new_frames
+from bench.links.lockstep_frames import MOST_FRAMES
 from bench.links.registry import open_link
 from bench.links.virtual import VirtualLink
 from signals.errors import LinkError, RunError
@@ -204,6 +205,28 @@ def test_frames_come_by_channel_then_order_of_sending_and_early_ones_wait(tmp_pa
         assert into["identifier"][0] == 0x99
         assert into["tick"][0] == 1
         assert into["sender"][0] == BENCH
+        client.close()
+        barrier.close()
+
+
+def test_a_flood_of_strangers_before_the_pairs_frame_does_no_harm(tmp_path: Path) -> None:
+    """More frames than are held at first, all before the one that is waited for."""
+    with VirtualLink("flood", "bench") as bench, VirtualLink("flood", "ecu") as ecu:
+        barrier = BarrierServer(tmp_path / "barrier")
+        client = BarrierClient(barrier.path)
+        barrier.wait_for_peer()
+        stranger = new_frames(3 * MOST_FRAMES // 2)
+        stranger["identifier"] = 0x7FF
+        bench.send(stranger, len(stranger))
+        bench.send(make_frame(0x120), 1)
+        barrier.begin(1, make_frame(0x120), 1)
+        into = new_frames(64)
+        assert client.begin(ecu, into) == (1, 1)
+        assert into["identifier"][0] == 0x120
+        client.finish(new_frames(1), 0)
+        barrier.begin(2, new_frames(1), 0)
+        assert client.begin(ecu, into) == (2, 64)  # as many strangers as there is room for
+        assert set(into["sender"]) == {FOREIGN}
         client.close()
         barrier.close()
 
