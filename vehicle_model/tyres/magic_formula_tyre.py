@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from signals.errors import Fault, FileFaults, InputError, unknown_name
+from signals.errors import unknown_name
 from vehicle_model.plant_record import Record
 from vehicle_model.tyres.magic_formula_coefficients import COEFFICIENT_RECORD, coefficients
 from vehicle_model.tyres.magic_formula_forces import (
@@ -19,7 +19,6 @@ from vehicle_model.tyres.magic_formula_forces import (
     rolling_moment,
 )
 from vehicle_model.tyres.magic_formula_record import (
-    COEFFICIENTS,
     DEVIATIONS,
     FIELDS,
     SCALING,
@@ -28,26 +27,12 @@ from vehicle_model.tyres.magic_formula_record import (
     VERSION_61,
     VERSION_62,
 )
-from vehicle_model.tyres.tir_file import TirFile, missing, read_tir_file
+from vehicle_model.tyres.tir_check import read_checked, version_of
+from vehicle_model.tyres.tir_file import TirFile
 from vehicle_model.tyres.tyre import Limits, Tyre, TyreForces
 
 CombinedSlip = Literal["auto", "weights", "ellipse"]
 
-_REQUIRED = ("FNOMIN", "UNLOADED_RADIUS", "PCX1", "PDX1", "PKX1", "PCY1", "PDY1", "PKY1", "PKY2")
-# names of PAC2002 files for the same things
-_ALIASES = {"IP": "INFLPRES", "IP_NOM": "NOMPRES", "QPZ1": "PPZ1", "QPZ2": "PPZ2", "QPX1": "PPMX1"}
-_PLAUSIBLE = {
-    "FNOMIN": (10.0, 2e5),
-    "UNLOADED_RADIUS": (0.02, 3.0),
-    "PCX1": (0.05, 3.5),
-    "PDX1": (-10.0, 10.0),
-    "PKX1": (0.5, 500.0),
-    "PCY1": (0.05, 3.5),
-    "PDY1": (-10.0, 10.0),
-    "PKY1": (-500.0, 500.0),
-    "PKY2": (0.01, 1000.0),
-    "LONGVL": (0.01, 500.0),
-}
 _LIMITS = {
     "slip_ratio": ("KPUMIN", "KPUMAX"),
     "slip_angle": ("ALPMIN", "ALPMAX"),
@@ -105,8 +90,8 @@ class MagicFormulaTyre(Tyre):
 
     Raises
     ------
-    FileFaults
-        If coefficients are missing or absurd.
+    InputError
+        If a deviation or a scale factor is unknown.
     """
 
     version: ClassVar[float]
@@ -123,7 +108,6 @@ class MagicFormulaTyre(Tyre):
         self.record = np.zeros(1, TIR_RECORD)
         self._coefficients = np.zeros(1, COEFFICIENT_RECORD)
         self.measured_side = tir.texts.get("TYRESIDE", "UNKNOWN").upper()
-        _check(tir)
         self._fill(tir, deviations, scale or {})
         has_weights = any(tir.numbers.get(name, 0.0) != 0.0 for name in ("RBX1", "RBY1"))
         self.uses_ellipse = combined_slip == "ellipse" or (combined_slip == "auto" and not has_weights)
@@ -134,7 +118,7 @@ class MagicFormulaTyre(Tyre):
         for name in SCALING:
             p[name] = 1.0
         p["PKY4"], p["LONGVL"] = 2.0, 10.0
-        values = {_ALIASES.get(name, name): value for name, value in tir.numbers.items()}
+        values = tir.numbers
         for name, value in values.items():
             if name in FIELDS:
                 p[name] = value
@@ -239,30 +223,11 @@ class MagicFormula62(MagicFormulaTyre):
     version = VERSION_62
 
 
-_BY_FITTYP = {
-    5: MagicFormula52,
-    6: MagicFormula52,
-    51: MagicFormula52,
-    52: MagicFormula52,
-    60: MagicFormula61,
-    61: MagicFormula61,
-    62: MagicFormula62,
+_KINDS: dict[float, type[MagicFormulaTyre]] = {
+    VERSION_52: MagicFormula52,
+    VERSION_61: MagicFormula61,
+    VERSION_62: MagicFormula62,
 }
-
-
-def _check(tir: TirFile) -> None:
-    faults: list[Fault] = missing(tir, _REQUIRED)
-    for name, (low, high) in _PLAUSIBLE.items():
-        value = tir.numbers.get(name)
-        if value is not None and not low <= value <= high:
-            faults.append(tir.fault(name, "absurd value", found=f"{value:g}", allowed=f"{low:g}…{high:g}"))
-    for name in COEFFICIENTS & tir.numbers.keys():
-        if not abs(tir.numbers[name]) < 1e6:
-            faults.append(tir.fault(name, "absurd value", found=f"{tir.numbers[name]:g}", allowed="below 1e6"))
-    for name in COEFFICIENTS & tir.texts.keys():
-        faults.append(tir.fault(name, "not a number", found=repr(tir.texts[name])))
-    if faults:
-        raise FileFaults(faults, tir.path)
 
 
 def _limits(tir: TirFile) -> Limits:
@@ -294,18 +259,6 @@ def read_tir(
     InputError
         If the file cannot be read, is of another formula, lacks coefficients or has absurd ones.
     """
-    tir = read_tir_file(path)
-    file_format = tir.texts.get("PROPERTY_FILE_FORMAT", "").upper()
-    fitted = tir.numbers.get("FITTYP")
-    if file_format == "PAC2002":
-        kind: type[MagicFormulaTyre] = MagicFormula52
-    elif fitted is not None and int(fitted) in _BY_FITTYP:
-        kind = _BY_FITTYP[int(fitted)]
-    else:
-        name = "FITTYP" if "FITTYP" in tir.lines else "PROPERTY_FILE_FORMAT"
-        found = f"{fitted:g}" if fitted is not None else repr(file_format or "nothing")
-        allowed = "FITTYP 5, 6, 51, 52 (5.2), 60, 61 (6.1), 62 (6.2), or PROPERTY_FILE_FORMAT 'PAC2002'"
-        if name not in tir.lines:
-            raise InputError(f"{path}: section [MODEL] does not say which formula", allowed=allowed)
-        raise FileFaults([tir.fault(name, "unknown formula", found=found, allowed=allowed)], tir.path)
+    tir = read_checked(path)
+    kind = _KINDS[version_of(tir)]
     return kind(tir, combined_slip=combined_slip, deviations=deviations, scale=scale)
