@@ -150,7 +150,7 @@ def connect(scenario: ScenarioFile, codec: Any, cores: CorePlan, log: IO[bytes] 
     if ecu.kind == "inprocess":
         from bench.ecu.node import EcuNode
 
-        node = EcuNode(ecu.calibration, codec)
+        node = EcuNode(ecu.calibration, codec, silent=_starts_silent(ecu))
         return Connection(InProcessEcu(node), "virtual", lambda: {"kind": "virtual"}, expect=ecu.expect)
     if ecu.kind == "none" and ecu.link in (None, "virtual"):
         return Connection(NoEcu(), "virtual", lambda: {"kind": "virtual"}, expect="silent")
@@ -171,11 +171,16 @@ def _connect_link(scenario: ScenarioFile, cores: CorePlan, log: IO[bytes] | None
     return connection
 
 
+def _starts_silent(ecu: Ecu) -> bool:
+    """The emulated ECU listens but answers nothing; one that is killed later speaks until then."""
+    return ecu.expect == "silent" and ecu.kill is None
+
+
 def _start_ecu(ecu: Ecu, link: Link, cores: CorePlan, log: IO[bytes] | None, more: Sequence[str] = ()) -> Child:
     arguments = ["--link", link.text, "--calibration", ecu.calibration, *more]
     for option, value in (("--dbc", ecu.dbc), ("--mapping", ecu.mapping)):
         arguments += [option, value] if value else []
-    if ecu.expect == "silent" and ecu.kill is None:
+    if _starts_silent(ecu):
         arguments.append("--silent")
     with on_helper_cores(cores):
         return start_module("ecu", "bench.ecu.process", arguments, log=log)

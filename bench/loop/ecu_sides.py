@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.links.barrier import BarrierServer, PeerLost
-from bench.links.frame import FRAME_DTYPE
+from bench.links.frame import FRAME_DTYPE, OPAQUE_DTYPE, TRANSMITTED
 from bench.links.interface import Link
 from signals.errors import RunError
 
@@ -45,8 +45,11 @@ class InProcessEcu:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._sent_by_bench = np.zeros(64, FRAME_DTYPE)
+        self._sent_bytes = self._sent_by_bench.view(OPAQUE_DTYPE)
         self._sent_count = 0
         self._answers = np.zeros(64, FRAME_DTYPE)
+        self._answer_flags = self._answers["flags"]
+        self._answer_bytes = self._answers.view(OPAQUE_DTYPE)
         self._answer_count = 0
         self._silent = False
 
@@ -56,14 +59,16 @@ class InProcessEcu:
             return 0
         count = self._answer_count
         if count:
-            frames[:count] = self._answers[:count]
+            # sent by the other side: here they are received
+            self._answer_flags[:count] &= 255 - TRANSMITTED
+            frames.view(OPAQUE_DTYPE)[:count] = self._answer_bytes[:count]
         self._answer_count = self._node.tick(tick, self._sent_by_bench, self._sent_count, self._answers)
         self._sent_count = 0
         return count
 
     def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:
         """Keep the frames for the controller's next tick."""
-        self._sent_by_bench[:count] = frames[:count]
+        self._sent_bytes[:count] = frames.view(OPAQUE_DTYPE)[:count]
         self._sent_count = count
 
     def silence(self) -> None:
@@ -145,6 +150,7 @@ class BarrierEcu:
         self._barrier = barrier
         self._may_be_lost = may_be_lost
         self._sent = np.zeros(MAX_FRAMES, FRAME_DTYPE)
+        self._sent_bytes = self._sent.view(OPAQUE_DTYPE)
         self._sent_count = 0
         self._running = False
         self._lost = False
@@ -171,7 +177,7 @@ class BarrierEcu:
     def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:
         """Put the frames on the link; the peer is told of them at the next tick."""
         self._link.send(frames, count)
-        self._sent[:count] = frames[:count]
+        self._sent_bytes[:count] = frames.view(OPAQUE_DTYPE)[:count]
         self._sent_count = count
 
     def silence(self) -> None:
