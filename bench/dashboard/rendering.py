@@ -71,7 +71,7 @@ def render(view: RunView, width: int, note: str = "") -> RenderableType:
     lines: list[RenderableType] = [_headline(view, inner), _motion(snapshot, inner), Text("")]
     if snapshot.slip_percent:
         lines += [_wheel_table(snapshot, inner), Text("")]
-    lines.append(_status_table(snapshot, inner))
+    lines.append(_status_table(view, inner))
     title = Text(str(view.information.get("scenario") or "run"), style="bold")
     how = describe_run(view)
     if how and len(how) + len(title) + 6 < width:
@@ -146,8 +146,9 @@ def _pressure_cell(pressure: float, change: float, wide: bool) -> Text:
     return Text.assemble(f"{pressure:5.1f}{' bar' if wide else ''} ", (arrow, style))
 
 
-def _status_table(snapshot: Snapshot, inner: int) -> Table:
+def _status_table(view: RunView, inner: int) -> Table:
     """Friction, ECU, bus and loop; what does not fit a narrow terminal goes to the next line."""
+    snapshot = view.snapshot
     table = Table.grid(padding=(0, 1), expand=True)
     table.add_column(width=LABEL_WIDTH if inner >= WIDE - 4 else 8, no_wrap=True, style="dim")
     table.add_column(ratio=1)
@@ -155,7 +156,8 @@ def _status_table(snapshot: Snapshot, inner: int) -> Table:
         table.add_row("friction", _listed(_friction_parts(snapshot)))
     table.add_row("ECU", _listed(_ecu_parts(snapshot)))
     table.add_row("bus", _listed(_bus_parts(snapshot)))
-    table.add_row("loop", _listed(_loop_parts(snapshot)))
+    virtual = view.information.get("mode") == "lockstep"
+    table.add_row("loop", Text("virtual time, no deadlines") if virtual else _listed(_loop_parts(snapshot)))
     return table
 
 

@@ -61,8 +61,7 @@ def draw_picture(run_dir: str | Path, path: str | Path) -> Path:
 
 
 def _title(figure: "Figure", run: RunData) -> None:
-    title = run.scenario.get("title") or run.name
-    figure.suptitle(f"{title}", x=0.012, ha="left", fontsize=14, fontweight="bold", color=INK)
+    figure.suptitle(run.title, x=0.012, ha="left", fontsize=14, fontweight="bold", color=INK)
     figure.text(
         0.988, 0.985, f"{run.outcome.upper()}   {tally(run.verdict)}", ha="right", va="top", fontsize=10,
         fontweight="bold", color=VERDICT_COLOURS.get(run.outcome, INK),

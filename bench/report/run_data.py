@@ -66,6 +66,12 @@ class RunData:
         return str(self.verdict.get("scenario") or self.folder.name)
 
     @property
+    def title(self) -> str:
+        """One line on what the scenario is, with a capital letter; its id where it has none."""
+        title = str(self.scenario.get("title") or "")
+        return title[:1].upper() + title[1:] if title else self.name
+
+    @property
     def outcome(self) -> str:
         """Verdict of the run; a run without one has not ended properly: error."""
         return str(self.verdict.get("verdict") or "error")

@@ -55,7 +55,7 @@ def page_of(run: RunData) -> str:
         "icon_colour": _ICON_COLOURS.get(run.outcome, _ICON_COLOURS["error"]),
         "run": run,
         "symbols": VERDICT_SYMBOLS,
-        "description": run.scenario.get("title") or run.scenario.get("description") or "",
+        "description": run.title if run.title != run.name else "",
         "tally": tally(run.verdict),
         "facts": page_content.facts(run),
         "errors": run.verdict.get("errors") or [],

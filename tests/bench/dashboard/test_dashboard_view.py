@@ -85,6 +85,14 @@ def test_lamp_fault_and_silent_ecu_stand_out(stop: RunArrays) -> None:
     assert "\x1b[1;31mlamp on" in captured.get()
 
 
+def test_lock_step_has_no_deadlines(stop: RunArrays) -> None:
+    view = view_at(stop, 2.4)
+    view.information["mode"] = "lockstep"
+    text = text_of(view, 100)
+    assert "virtual time, no deadlines" in text
+    assert "overruns" not in text
+
+
 def test_split_road_shows_both_sides(stop: RunArrays) -> None:
     assert "road 0.95 | 0.20" in text_of(view_at(stop, 2.4, friction_limit_fr=0.2), 100)
 
