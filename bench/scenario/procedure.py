@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from bench.verdict.result import CriterionResult, Verdict
 
 
+_PATHS = {"ecu": "ecu.kind", "link": "ecu.link"}
+
+
 def is_procedure(argument: str) -> bool:
     """Whether a scenario argument names a procedure; False for what cannot be read."""
     try:
@@ -65,7 +68,12 @@ def _resolved(
     beside = path.parent / entry.scenario
     scenario = beside if entry.scenario.endswith((".yaml", ".yml")) else entry.scenario
     seed = entry.seed if entry.seed is not None else procedure.seed
-    given = {key: value for key, value in options.items() if value is not None and key != "sets"}
+    # what a run itself sets (locked wheels: ecu.kind: none) is what it is there for, and wins over the command line
+    given = {
+        key: value
+        for key, value in options.items()
+        if value is not None and key != "sets" and _PATHS.get(key, key) not in entry.set
+    }
     sets = {**entry.set, **parse_sets(options.get("sets") or [])}
     first = given.pop("seed", seed)
     if entry.seed is not None:

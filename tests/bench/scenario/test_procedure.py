@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from bench.scenario.procedure import is_procedure, judge_procedure, read_procedure
+from bench.scenario.locate import find_scenario
+from bench.scenario.procedure import _resolved, is_procedure, judge_procedure, read_procedure
 from bench.scenario.procedure_expression import check, evaluate, half_width, names_used
 from bench.scenario.procedure_file import ProcedureFile
 from bench.verdict.result import CriterionResult, Verdict
@@ -117,6 +118,27 @@ def test_shipped_procedures_are_recognised_and_checked() -> None:
     assert is_procedure("stops/abs_against_locked")
     assert not is_procedure("stops/dry")
     assert not is_procedure("nothing")
+
+
+def test_what_a_run_sets_wins_over_the_command_line() -> None:
+    path = find_scenario("stops/abs_against_locked")
+    read = read_procedure(path)
+    kinds = {
+        entry.name: _resolved(entry, path, read, 0, {"ecu": "inprocess", "seed": 4, "sets": ["road.friction=0.9"]})
+        for entry in read.runs[:2]
+    }
+    assert {name: scenario.ecu.kind for name, scenario in kinds.items()} == {
+        "dry_abs": "inprocess",
+        "dry_locked": "none",
+    }
+    assert all(scenario.seed == 4 and scenario.road.friction == 0.9 for scenario in kinds.values())
+    assert all(scenario.pacing == "lockstep" for scenario in kinds.values())
+
+
+def test_seeds_count_up() -> None:
+    path = find_scenario("stops/dry_ten_runs")
+    read = read_procedure(path)
+    assert [_resolved(read.runs[0], path, read, number, {}).seed for number in range(3)] == [1, 2, 3]
 
 
 def test_faults_of_a_procedure(tmp_path: Path) -> None:
