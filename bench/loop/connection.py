@@ -186,6 +186,11 @@ def _start_ecu(ecu: Ecu, link: Link, cores: CorePlan, log: IO[bytes] | None, mor
         return start_module("ecu", "bench.ecu.process", arguments, log=log)
 
 
+def _never_answers(ecu: Ecu) -> bool:
+    """The emulated ECU is to be silent; one that is killed speaks until then."""
+    return ecu.expect == "silent" and ecu.kill is None
+
+
 def _in_real_time(ecu: Ecu, link: Link, cores: CorePlan, log: IO[bytes] | None) -> Connection:
     child = _start_ecu(ecu, link, cores, log)
     # its first start compiles: that is the bench's time, not the ECU's

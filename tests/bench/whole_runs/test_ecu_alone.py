@@ -1,0 +1,77 @@
+"""Fed with only the recorded bench→ECU frames of a run, a lone ECU in lock-step gives the same valve frames again."""
+
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import bench
+from bench.codec.codec import Codec
+from bench.ecu.node import EcuNode
+from bench.links.barrier import BarrierServer
+from bench.links.frame import BENCH, ECU, TRANSMITTED, new_frames, payload
+from bench.links.registry import open_link
+from bench.recording.reading import Recording
+from bench.scenario.schema import ScenarioFile
+
+VALVE_PUMP = 0x210
+START_S = 120.0
+
+
+@pytest.fixture(scope="module")
+def recorded(short_stop: Callable[..., ScenarioFile], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("alone") / "run"
+    bench.run(short_stop(), out=folder)
+    return folder
+
+
+def per_tick(frames: NDArray[np.void], ticks: int) -> Iterator[tuple[int, NDArray[np.void]]]:
+    """For each tick what the ECU saw in it: the bench's frames of the tick before."""
+    edges = np.searchsorted(frames["tick"], np.arange(-1, ticks + 1))
+    for tick in range(ticks):
+        yield tick, frames[edges[tick] : edges[tick + 1]]
+
+
+def valve_payloads(frames: NDArray[np.void]) -> list[bytes]:
+    return [payload(frame) for frame in frames[frames["identifier"] == VALVE_PUMP]]
+
+
+def test_a_node_in_this_process(short_stop: Callable[..., ScenarioFile]) -> None:
+    run = bench.run(short_stop(), record=False)
+    to_ecu = run.frames[run.frames["sender"] == BENCH]
+    node, answers, sent = EcuNode("sensitive", Codec.load()), new_frames(64), []
+    for tick, frames in per_tick(to_ecu, len(run.data)):
+        sent.append(answers[: node.tick(tick, frames, len(frames), answers)].copy())
+    again = np.concatenate(sent)
+    then = run.frames[run.frames["sender"] == ECU]
+    # what the node sends in the last tick reaches nobody
+    assert len(then) <= len(again) <= len(then) + 3
+    assert [(f["identifier"], payload(f)) for f in again[: len(then)]] == [(f["identifier"], payload(f)) for f in then]
+
+
+def test_the_process_from_the_file_of_frames(recorded: Path, tmp_path: Path) -> None:
+    recording = Recording.open(recorded)
+    from_bench = (recording.frames["flags"] & TRANSMITTED) != 0
+    to_ecu, then = recording.frames[from_bench].copy(), valve_payloads(recording.frames[~from_bench])
+    to_ecu["flags"] &= 255 - TRANSMITTED
+    received, answers = new_frames(256), []
+    server = BarrierServer(tmp_path / "barrier")
+    with open_link("udp_loopback", role="bench") as link:
+        arguments = ["--link", link.text, "--barrier", str(server.path)]
+        ecu = subprocess.Popen([sys.executable, "-m", "bench.ecu.process", *arguments], cwd=Path(__file__).parents[3])
+        try:
+            server.wait_for_peer(START_S, lambda: ecu.poll() is None)
+            for tick, frames in per_tick(to_ecu, len(recording)):
+                link.send(frames, len(frames))
+                server.begin(tick, frames, len(frames))
+                answers.append(received[: server.finish(link, received)].copy())
+        finally:
+            server.close()
+            ecu.wait(START_S)
+    again = valve_payloads(np.concatenate(answers))
+    assert len(then) > 300
+    assert again[: len(then)] == then
