@@ -1,6 +1,7 @@
 """The other side of the bus as the tick sees it: nobody, a controller in this process, a link, a link in lock-step.
 
-In virtual time a frame sent in tick n is seen by the other side at tick n + 1, on every kind of side.
+In virtual time a frame sent in tick n is seen by the other side at tick n + 1, on every kind of side, and time stamps
+are ticks. A recording in real time has an origin in CLOCK_REALTIME: ``origin_ns`` of a side, which tick 0 stands for.
 """
 
 import time
@@ -28,12 +29,15 @@ class Node(Protocol):
 class NoEcu:
     """Nobody answers: the frames go to the recording only."""
 
+    origin_ns = 0
+
     def receive(self, tick: int, frames: NDArray[np.void]) -> int:
         """Nothing ever arrives."""
         return 0
 
     def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:
         """Frames go nowhere."""
+        frames["timestamp_ns"][:count] += self.origin_ns
 
     def close(self) -> None:
         """Nothing to close."""
@@ -41,6 +45,8 @@ class NoEcu:
 
 class InProcessEcu:
     """The emulated ECU called by the tick, behind the same frames as on a bus."""
+
+    origin_ns = 0
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -62,6 +68,8 @@ class InProcessEcu:
             # sent by the other side: here they are received
             self._answer_flags[:count] &= 255 - TRANSMITTED
             frames.view(OPAQUE_DTYPE)[:count] = self._answer_bytes[:count]
+            if self.origin_ns:
+                frames["timestamp_ns"][:count] += self.origin_ns
         self._answer_count = self._node.tick(tick, self._sent_by_bench, self._sent_count, self._answers)
         self._sent_count = 0
         return count
@@ -70,6 +78,8 @@ class InProcessEcu:
         """Keep the frames for the controller's next tick."""
         self._sent_bytes[:count] = frames.view(OPAQUE_DTYPE)[:count]
         self._sent_count = count
+        if self.origin_ns:
+            frames["timestamp_ns"][:count] += self.origin_ns
 
     def silence(self) -> None:
         """The controller is lost: it runs no more."""
@@ -90,9 +100,12 @@ class LinkedEcu:
         Wall-clock time within which :meth:`wait_until_heard` expects a frame.
     """
 
+    origin_ns = 0
+
     def __init__(self, link: Link, first_answer_s: float) -> None:
         self._link = link
         self._first_answer_s = first_answer_s
+        self._shift_ns = 0
 
     def wait_until_heard(self, is_alive: Callable[[], bool] = lambda: True) -> None:
         """Wait for the ECU's first frame, so that a run begins with an ECU that is there.
@@ -121,13 +134,18 @@ class LinkedEcu:
 
     def receive(self, tick: int, frames: NDArray[np.void]) -> int:
         """Everything that arrived since the last tick."""
+        if tick == 0 and self.origin_ns:
+            # the recording began when its processes were started; its time is counted from this tick on
+            self._shift_ns = self.origin_ns - time.time_ns()
         count = self._link.receive(frames)
         frames["tick"][:count] = tick
+        frames["timestamp_ns"][:count] += self._shift_ns
         return count
 
     def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:
         """Put the frames on the link."""
         self._link.send(frames, count)
+        frames["timestamp_ns"][:count] = time.time_ns() + self._shift_ns
 
     def close(self) -> None:
         """Close the link."""
@@ -144,6 +162,8 @@ class BarrierEcu:
     may_be_lost : bool
         The scenario expects that the ECU may end: from then on nobody answers. Otherwise its end is an error.
     """
+
+    origin_ns = 0
 
     def __init__(self, link: Link, barrier: BarrierServer, may_be_lost: bool) -> None:
         self._link = link
@@ -179,6 +199,8 @@ class BarrierEcu:
         self._link.send(frames, count)
         self._sent_bytes[:count] = frames.view(OPAQUE_DTYPE)[:count]
         self._sent_count = count
+        if self.origin_ns:
+            frames["timestamp_ns"][:count] += self.origin_ns
 
     def silence(self) -> None:
         """The peer has been killed: what it may have sent in this tick is lost, so that its last frame is definite."""

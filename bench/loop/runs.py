@@ -1,5 +1,6 @@
 """A run from its resolved scenario to its verdict, in memory or recorded."""
 
+import os
 import time
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
@@ -141,6 +142,7 @@ class _RecordedRun:
         log = (recording.folder / "log.txt").open("ab")
         try:
             connection = connect(self._scenario, self._parts.codec, self._cores, log)
+            connection.side.origin_ns = recording.writer.schema.start_time_ns
             if self._dashboard:
                 dashboard = self._start_dashboard(recording)
             self._loop(recording, connection)
@@ -182,7 +184,7 @@ class _RecordedRun:
             return start_module(
                 "dashboard",
                 "bench.dashboard",
-                [str(recording.writer.path)],
+                [str(recording.writer.path), "--parent", str(os.getpid())],
                 terminal=True,
             )
 
@@ -227,7 +229,7 @@ class _RecordedRun:
         verdict = _judge(self._scenario, data, self._errors, self._scheduling.remarks)
         with suppress(OSError):
             write_verdict(self._folder, verdict)
-            self._build_report()
+            self._build_report(data)
         recording.seal()
         if self._interrupted:
             raise KeyboardInterrupt(str(self._folder))
@@ -245,11 +247,11 @@ class _RecordedRun:
             matrix, self._parts.vector.signals, phase_names=self._parts.manoeuvre.phase_names, timing=timing
         )
 
-    def _build_report(self) -> None:
+    def _build_report(self, data: RunArrays) -> None:
         from bench.report import build
 
         try:
-            build(self._folder)
+            build(self._folder, signals=data)
         except Exception as error:
             self._log_traceback(error)
             self._say(f"the report could not be made ({error}); see {self._folder / 'log.txt'}")

@@ -28,6 +28,8 @@ MAX_FRAMES_PER_TICK = 4096
 class EcuSide(Protocol):
     """What stands on the other side of the bus, as the tick sees it."""
 
+    origin_ns: int
+
     def receive(self, tick: int, frames: NDArray[np.void]) -> int:
         """Frames that the bench sees in this tick; returns their number."""
 
