@@ -89,7 +89,10 @@ def test_terminal_shows_the_run_and_keeps_its_last_state(
     first = screen.wait_for(lambda text: "1.500 s" in text and "╰" in text)
     assert "brake" in first
     run.advance_to(2.4)
-    second = screen.wait_for(lambda text: "2.400 s" in text and "of 2 401" in " ".join(text.split()) and "╰" in text)
+    # a screen caught in the middle of a redraw lacks some lines: wait for one with both borders
+    second = screen.wait_for(
+        lambda text: "2.400 s" in text and "of 2 401" in " ".join(text.split()) and "╭" in text and "╰" in text
+    )
     assert second.count("stops/dry") == 1, "the panel is redrawn in place"
     pressure = run.rows[2400, [signal.name for signal in SIGNALS].index("true_brake_pressure_fl")] * 1e-5
     assert f"{pressure:.1f}" in second
