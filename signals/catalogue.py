@@ -1,9 +1,9 @@
 """The one catalogue of signal names, units and descriptions.
 
-A run keeps one float64 vector with a value per signal; every part of the bench owns a block of consecutive entries and
-writes only there. Plain names (``wheel_speed_fl``) are what an observer on the ECU side of the bus decoded; the value of
-the simulated car is ``true_wheel_speed_fl``. Signals that no bus message carries (``speed``, ``slip_ratio_fl``) are the
-simulated car's and have no prefix. Values are SI, axes ISO 8855 (x forward, y left, z up).
+A run keeps one float64 vector with a value per signal; every part of the bench owns a block of consecutive entries
+and writes only there. Plain names (``wheel_speed_fl``) are what an observer on the ECU side of the bus decoded; the
+value of the simulated car is ``true_wheel_speed_fl``. Signals that no bus message carries (``speed``,
+``slip_ratio_fl``) are the simulated car's and have no prefix. Values are SI, axes ISO 8855 (x forward, y left, z up).
 """
 
 from dataclasses import dataclass
