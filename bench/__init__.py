@@ -11,7 +11,7 @@ prepare_compile_cache()
 
 _EXPORTS = {"run": "bench.api", "Run": "bench.api"}
 
-__all__ = ["Run", "run"]  # noqa: F822 - provided by __getattr__
+__all__ = ["Run", "run"]
 
 
 def __getattr__(name: str) -> Any:
