@@ -1,9 +1,8 @@
 """The car of a scenario: as its file says, and as it is driven."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from signals.errors import InputError, unknown_name
+from signals.errors import InputError
 
 if TYPE_CHECKING:
     from bench.scenario.schema import ScenarioFile
@@ -30,17 +29,6 @@ def vehicle_as_driven(scenario: "ScenarioFile") -> "VehicleFile":
     return vehicle
 
 
-def tyre_names() -> tuple[str, ...]:
-    """Names of the tyre files that ship with the bench."""
-    return tuple(sorted(path.stem for path in _tyre_folder().glob("*.yaml")))
-
-
-def _tyre_folder() -> Path:
-    import vehicle_model
-
-    return Path(vehicle_model.__file__).parent / "tyre_files"
-
-
 def load_tyres(name_or_path: str) -> "TyrePair":
     """Tyres of a tyre file, given by the name of a shipped one or by its path.
 
@@ -49,16 +37,9 @@ def load_tyres(name_or_path: str) -> "TyrePair":
     InputError
         If there is no such file, or it has faults.
     """
-    from signals.yaml_files import load_yaml, validate
-    from vehicle_model.tyres.tyre_file import TyreFile, TyrePair
+    from vehicle_model import vehicle_file
 
-    path = Path(name_or_path)
-    if path.suffix not in (".yaml", ".yml"):
-        path = _tyre_folder() / f"{name_or_path}.yaml"
-        if not path.exists():
-            raise unknown_name("tyre file", name_or_path, tyre_names(), mend="or give the path of a .yaml file")
-    tyres = validate(load_yaml(path), TyreFile)
-    return TyrePair(front=tyres.front, rear=tyres.rear)
+    return vehicle_file.load_tyres(name_or_path)
 
 
 def flat(section: dict[str, Any], prefix: str) -> dict[str, Any]:
