@@ -156,6 +156,13 @@ def _check_vehicle(path: Path, loaded: Document) -> str:
     return f", {len(parameter_table(load_vehicle(path)))} parameters"
 
 
+def _check_tyres(path: Path, loaded: Document) -> str:
+    from vehicle_model.vehicle_file import load_tyres
+
+    load_tyres(path)
+    return ""
+
+
 def _check_road(path: Path, loaded: Document) -> str:
     from vehicle_model.road_file import load_road
 
@@ -181,6 +188,7 @@ _CHECKS: dict[str, Callable[[Path, Document], str]] = {
     "scenario": _check_scenario,
     "procedure": _check_procedure,
     "vehicle": _check_vehicle,
+    "tyre": _check_tyres,
     "road": _check_road,
     "mapping": _check_mapping,
 }
