@@ -1,4 +1,4 @@
-"""CAN at bit level: frames to bits and back, as ISO 11898-1 puts them on the wire."""
+"""CAN at bit level: frames to bits and back, and a bus of protocol nodes, as ISO 11898-1 has them on the wire."""
 
 from typing import Any
 
@@ -6,9 +6,15 @@ from signals.compile_cache import prepare_compile_cache
 
 prepare_compile_cache()
 
-_EXPORTS = {"Frame": "can_fault_injector.frame", "ProtocolError": "can_fault_injector.frame"}
+_EXPORTS = {
+    "Bus": "can_fault_injector.bus",
+    "Disturbance": "can_fault_injector.disturbance",
+    "Frame": "can_fault_injector.frame",
+    "Node": "can_fault_injector.bus",
+    "ProtocolError": "can_fault_injector.frame",
+}
 
-__all__ = ["Frame", "ProtocolError"]
+__all__ = ["Bus", "Disturbance", "Frame", "Node", "ProtocolError"]
 
 
 def __getattr__(name: str) -> Any:

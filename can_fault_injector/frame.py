@@ -98,7 +98,8 @@ class Frame:
         """Data length code on the wire."""
         return f.FD_LENGTHS.index(len(self.data)) if self.dlc is None else self.dlc
 
-    def _encoded(self, stuffed: bool) -> tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.int16]]:
+    def encoded(self, stuffed: bool = True) -> tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.int16]]:
+        """Levels of :meth:`bits`, and of each bit the field code (``fields``) and the number inside the field."""
         payload = np.zeros(64, np.uint8)
         payload[: len(self.data)] = np.frombuffer(self.data, np.uint8)
         bits, codes = np.empty(f.MAX_BITS, np.uint8), np.empty(f.MAX_BITS, np.uint8)
@@ -123,11 +124,11 @@ class Frame:
 
     def bits(self, stuffed: bool = True) -> NDArray[np.uint8]:
         """Levels from SOF to the last EOF bit, 1 = recessive, the acknowledge slot as the sender drives it (1)."""
-        return self._encoded(stuffed)[0]
+        return self.encoded(stuffed)[0]
 
     def fields(self, stuffed: bool = True) -> list[Field]:
         """Fields of :meth:`bits` in order; a stuff bit belongs to the field of the bit before it."""
-        _, codes, _ = self._encoded(stuffed)
+        _, codes, _ = self.encoded(stuffed)
         result: list[Field] = []
         for position, code in enumerate(codes):
             name = f.FIELD_NAMES[code]
@@ -145,7 +146,7 @@ class Frame:
 
     def bit_names(self) -> Iterator[str]:
         """Name of every bit of ``bits()``: ``sof.0``, ``id.3``, ``stuff.1``, ``crc.14``, ``eof.6``."""
-        _, codes, numbers = self._encoded(True)
+        _, codes, numbers = self.encoded(True)
         for code, number in zip(codes, numbers, strict=True):
             yield f"{f.FIELD_NAMES[code]}.{number}"
 
