@@ -8,7 +8,7 @@ from signals.wheels import WHEELS
 from vehicle_model.plant_record import Record
 from vehicle_model.rigid_bodies import RigidBodies
 from vehicle_model.tyres.coefficients import write_tyre
-from vehicle_model.tyres.tyre_file import CurveTyre, TyrePair
+from vehicle_model.tyres.tyre_file import CurveTyre, TirTyre, TyrePair
 from vehicle_model.vehicle_file import STANDARD_GRAVITY, VehicleFile
 
 SECTIONS = ("body", "axles", "wheels", "suspension", "steering", "aerodynamics", "tyres")
@@ -60,7 +60,7 @@ def write_tyres(record: NDArray[np.void], tyre_rows: NDArray[np.float64], vehicl
     for i in range(4):
         tyre = pair.front if i < 2 else pair.rear
         _write_contact(record[0], i, tyre)
-        write_tyre(tyre, tyre_rows[i])
+        write_tyre(tyre, tyre_rows[i], right=i % 2 == 1)
 
 
 def write_running_gear(record: NDArray[np.void], vehicle: VehicleFile, at_rest: VehicleFile) -> None:
@@ -99,7 +99,7 @@ def _write_steering_and_air(p: Record, vehicle: VehicleFile) -> None:
     p["drag_height"] = air.drag_height
 
 
-def _write_contact(p: Record, i: int, tyre: CurveTyre) -> None:
+def _write_contact(p: Record, i: int, tyre: CurveTyre | TirTyre) -> None:
     contact = tyre.contact
     p["relaxation_x"][i] = tyre.relaxation_length_longitudinal
     p["relaxation_y"][i] = tyre.relaxation_length_lateral

@@ -73,7 +73,8 @@ def _prepare_tyres(
         friction, surface = friction_at(road, jumps, patches, q[0] + s.hub[i, 0], q[1] + s.hub[i, 1], time)
         speed = math.sqrt(s.hub_velocity[i, 0] ** 2 + s.hub_velocity[i, 1] ** 2)
         load = max(s.load[i], 1e-3)
-        prepare(tyres[i], surfaces[surface], friction * p.friction_factor[i], load, speed, prepared[i])
+        camber = math.asin(s.axis_z[i])
+        prepare(tyres[i], surfaces[surface], friction * p.friction_factor[i], load, speed, camber, prepared[i])
         s.peak_friction[i] = prepared[i, PEAK_FORCE_X] / load
 
 
@@ -94,6 +95,7 @@ def _integrate(
     force = numba.carray(pointer(addresses[_FORCE]), VELOCITIES, numba.float64)
     gravity = numba.carray(pointer(addresses[_GRAVITY]), 3, numba.float64)
     prepared = numba.carray(pointer(addresses[_PREPARED]), (4, PREPARED_SIZE), numba.float64)
+    tyres = numba.carray(pointer(addresses[_TYRES]), (4, TYRE_SIZE), numba.float64)
     road = numba.carray(pointer(addresses[_ROAD]), 1, ROAD_RECORD)[0]
 
     vertical_loads(p, s, q)
@@ -103,7 +105,9 @@ def _integrate(
         at_x, at_y = s.contact_velocity[i, 0], s.contact_velocity[i, 1]
         along, across = heading_x * at_x + heading_y * at_y, heading_x * at_y - heading_y * at_x
         spin = v[VELOCITY_SPIN[i]]
-        s.new_spin[i] = spin_wheel(p, s, i, prepared[i], spin, max(brake[i], 0.0), drive[i], along, across, step)
+        s.new_spin[i] = spin_wheel(
+            p, s, i, tyres[i], prepared[i], spin, max(brake[i], 0.0), drive[i], along, across, step
+        )
 
     clear(force)
     add_suspension(p, s, q, v, force)

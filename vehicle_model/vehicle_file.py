@@ -7,7 +7,7 @@ set_parameter(vehicle, "body.mass", "1.4 t")
 """
 
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -20,7 +20,7 @@ from vehicle_model.actuation_file import Brakes, Driveline, Hydraulics
 from vehicle_model.body_file import Aerodynamics, Axles, Body, Steering, Suspension, Wheels
 from vehicle_model.parameters import ParameterInfo
 from vehicle_model.sensors_file import Sensors
-from vehicle_model.tyres.tyre_file import TyreFile, TyrePair
+from vehicle_model.tyres.tyre_file import TirTyre, TyreFile, TyrePair
 
 VEHICLES = Path(__file__).parent / "vehicles"
 TYRES = Path(__file__).parent / "tyre_files"
@@ -157,6 +157,7 @@ def load_vehicle(name_or_path: str | Path) -> VehicleFile:
         document.data["sources"] = _tyre_sources(tyres) | document.data.get("sources", {})
         document.data["tyres"] = {"front": tyres.front, "rear": tyres.rear}
     vehicle = validate(document, VehicleFile)
+    _check_tir_files(document, ("tyres",), vehicle.tyre_pair)
     for extension in vehicle.extensions:
         for target, value in extension.parameters.items():
             set_parameter(vehicle, target, value)
@@ -166,8 +167,38 @@ def load_vehicle(name_or_path: str | Path) -> VehicleFile:
 def load_tyres(name_or_path: str | Path) -> TyrePair:
     """Read a tyre file, given by the name of a shipped one (``reduced_set_t``) or by its path."""
     path = _by_name(name_or_path, TYRES, "tyre file")
-    tyres = validate(load_yaml(path), TyreFile)
+    tyres = _read_tyre_file(path)
     return TyrePair(front=tyres.front, rear=tyres.rear)
+
+
+def _read_tyre_file(path: Path) -> TyreFile:
+    document = load_yaml(path)
+    _resolve_tir_paths(document.data, path.parent)
+    tyres = validate(document, TyreFile)
+    _check_tir_files(document, (), tyres)
+    return tyres
+
+
+def _resolve_tir_paths(pair: Any, folder: Path) -> None:
+    """Paths of ``.tir`` files in a pair of tyres start from the file that names them."""
+    for axle in ("front", "rear"):
+        tyre = pair.get(axle) if isinstance(pair, dict) else None
+        if isinstance(tyre, dict) and isinstance(tyre.get("tir"), str):
+            tyre["tir"] = str(folder / tyre["tir"])
+
+
+def _check_tir_files(document: Document, place: tuple[str, ...], pair: TyrePair) -> None:
+    """Refuse a pair whose ``.tir`` files are missing or bad."""
+    for axle in ("front", "rear"):
+        tyre = getattr(pair, axle)
+        if not isinstance(tyre, TirTyre):
+            continue
+        if not Path(tyre.tir).exists():
+            fault = document.fault((*place, axle, "tir"), "no such .tir file", found=tyre.tir)
+            raise FileFaults([fault], document.file)
+        from vehicle_model.tyres.tir_check import read_checked  # brings numpy, which most checks do without
+
+        read_checked(tyre.tir)
 
 
 def _by_name(name_or_path: str | Path, folder: Path, kind: str) -> Path:
@@ -196,6 +227,7 @@ def _read_with_base(path: Path, seen: tuple[Path, ...]) -> Document:
         return document
     if isinstance(data.get("tyres"), str):
         data["tyres"] = str(path.parent / data["tyres"])
+    _resolve_tir_paths(data.get("tyres"), path.parent)
     base_name = data.get("extends")
     if not isinstance(base_name, str):
         return document
@@ -221,7 +253,7 @@ def _laid_over(base: Document, change: Document) -> Document:
 def _read_tyres(path: Path, document: Document) -> TyreFile:
     if not path.exists():
         raise FileFaults([document.fault(("tyres",), "no such tyre file", found=str(path))], document.file)
-    return validate(load_yaml(path), TyreFile)
+    return _read_tyre_file(path)
 
 
 def _tyre_sources(tyres: TyreFile) -> dict[str, str]:

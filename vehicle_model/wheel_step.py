@@ -13,15 +13,23 @@ from numba import njit
 from numpy.typing import NDArray
 
 from vehicle_model.plant_record import Record
-from vehicle_model.tyres.kernel import PEAK_FORCE_X, PEAK_FORCE_Y, PEAK_SLIP_X, PEAK_SLIP_Y, STIFFNESS_X, STIFFNESS_Y
-from vehicle_model.tyres.kernel import evaluate as tyre_forces
+from vehicle_model.tyres.kernel import (
+    PEAK_FORCE_X,
+    PEAK_FORCE_Y,
+    PEAK_SLIP_X,
+    PEAK_SLIP_Y,
+    STIFFNESS_X,
+    STIFFNESS_Y,
+    across,
+    along,
+)
 
 _SMALLEST_SPEED = 1e-6
 
 
 @njit(cache=True)
 def _friction_limit(
-    tyre: NDArray[np.float64],
+    prepared: NDArray[np.float64],
     slip_x: float,
     slip_y: float,
     curve_x: float,
@@ -30,11 +38,11 @@ def _friction_limit(
     force_y: float,
 ) -> float:
     """Largest bristle force in the direction of (force_x, force_y): the peak before it is passed, the curve after."""
-    relative_x, relative_y = slip_x / tyre[PEAK_SLIP_X], slip_y / tyre[PEAK_SLIP_Y]
+    relative_x, relative_y = slip_x / prepared[PEAK_SLIP_X], slip_y / prepared[PEAK_SLIP_Y]
     if relative_x * relative_x + relative_y * relative_y > 1.0:
         return math.sqrt(curve_x * curve_x + curve_y * curve_y)
     length = math.sqrt(force_x * force_x + force_y * force_y)
-    peak_x, peak_y = tyre[PEAK_FORCE_X], tyre[PEAK_FORCE_Y]
+    peak_x, peak_y = prepared[PEAK_FORCE_X], prepared[PEAK_FORCE_Y]
     if length == 0.0 or peak_x <= 0.0 or peak_y <= 0.0:
         return peak_x
     along, across = force_x / length / peak_x, force_y / length / peak_y
@@ -46,7 +54,7 @@ def _bristles(
     p: Record,
     s: Record,
     i: int,
-    tyre: NDArray[np.float64],
+    prepared: NDArray[np.float64],
     slip_x: float,
     slip_y: float,
     curve_x: float,
@@ -67,11 +75,11 @@ def _bristles(
     """
     stiff_x, stiff_y, damping = p.contact_stiffness_x[i], p.contact_stiffness_y[i], p.contact_damping[i]
     # in steady rolling the deflection is slip times stiffness over bristle stiffness: both descriptions agree
-    left_x = 1.0 + step * roll * stiff_x / max(tyre[STIFFNESS_X], 1.0)
-    left_y = 1.0 + step * roll * stiff_y / max(tyre[STIFFNESS_Y], 1.0)
+    left_x = 1.0 + step * roll * stiff_x / max(prepared[STIFFNESS_X], 1.0)
+    left_y = 1.0 + step * roll * stiff_y / max(prepared[STIFFNESS_Y], 1.0)
     force_x = stiff_x * (s.bristle_x[i] + step * slide_x) / left_x + damping * slide_x
     force_y = stiff_y * (s.bristle_y[i] + step * slide_y) / left_y + damping * slide_y
-    limit = _friction_limit(tyre, slip_x, slip_y, curve_x, curve_y, force_x, force_y)
+    limit = _friction_limit(prepared, slip_x, slip_y, curve_x, curve_y, force_x, force_y)
     length = math.sqrt(force_x * force_x + force_y * force_y)
     if length > limit:
         share = limit / length
@@ -85,6 +93,7 @@ def spin_wheel(
     s: Record,
     i: int,
     tyre: NDArray[np.float64],
+    prepared: NDArray[np.float64],
     omega: float,
     brake: float,
     drive: float,
@@ -96,6 +105,8 @@ def spin_wheel(
 
     Parameters
     ----------
+    tyre, prepared
+        Row of the tyre and the row that ``prepare`` made of it.
     omega : rad/s
         Speed of the wheel relative to its carrier.
     brake, drive : N m
@@ -118,11 +129,12 @@ def spin_wheel(
     relaxation_x, relaxation_y = p.relaxation_x[i], p.relaxation_y[i]
     stiff_x, stiff_y, damping = p.contact_stiffness_x[i], p.contact_stiffness_y[i], p.contact_damping[i]
     inertia_torque = inertia * s.carrier_acceleration[i]
-    sum_x = sum_y = sum_z = sum_friction = 0.0
+    sum_x = sum_y = sum_z = sum_friction = sum_slip_x = sum_slip_y = 0.0
     friction_work = drive_work = tyre_work = 0.0
     slide_y = -v_y
     abs_x, abs_y = abs(v_x), abs(v_y)
-    b_x = b_y = b_slope = 0.0
+    slow = max(abs_x, abs_y) < none_above
+    force_y = moment_z = b_x = b_y = b_slope = 0.0
 
     for _ in range(substeps):
         roll = radius * omega
@@ -143,11 +155,13 @@ def spin_wheel(
             if relaxation_y > 0.0:
                 slip_y = (relaxation_y * s.lagged_slip_y[i] + h * slide_y) * weight_y
             s.lagged_slip_x[i], s.lagged_slip_y[i] = slip_x, slip_y
-        force_x, force_y, slope, moment_z = tyre_forces(tyre, slip_x, slip_y)
+        force_x, slope = along(tyre, prepared, slip_x, slip_y)
         slope *= slip_slope
+        if slow:
+            force_y, moment_z = across(tyre, prepared, slip_x, slip_y)
         if speed < none_above:
             b_x, b_y, b_slope = _bristles(
-                p, s, i, tyre, slip_x, slip_y, force_x, force_y, slide_x, slide_y, abs(roll), h
+                p, s, i, prepared, slip_x, slip_y, force_x, force_y, slide_x, slide_y, abs(roll), h
             )
             share = min((none_above - speed) / (none_above - full_below), 1.0)
             force_x += share * (b_x - force_x)
@@ -177,11 +191,16 @@ def spin_wheel(
         sum_x += force_x
         sum_y += force_y
         sum_z += moment_z
+        sum_slip_x += slip_x
+        sum_slip_y += slip_y
         sum_friction += friction
         friction_work -= friction * mean_omega
         drive_work += drive * mean_omega
         tyre_work += force_x * radius * mean_omega
 
+    if not slow:  # the side force changes little within a step: once, at the mean slip
+        force_y, moment_z = across(tyre, prepared, sum_slip_x / substeps, sum_slip_y / substeps)
+        sum_y, sum_z = force_y * substeps, moment_z * substeps
     mean_friction = sum_friction / substeps
     s.force_x[i] = sum_x / substeps
     s.force_y[i] = sum_y / substeps

@@ -22,14 +22,15 @@ print([value.hex() for value in car.outputs.tolist()])
 
 CALLEE = """
 import numpy as np
-from vehicle_model.tyres.kernel import PREPARED_SIZE, evaluate
+from vehicle_model.tyres.coefficients import TYRE_SIZE
+from vehicle_model.tyres.kernel import PREPARED_SIZE, along
 
 row = np.zeros(PREPARED_SIZE)
 row[4:6] = 2.0, 3.0
 row[2:4] = 1.0, 1.0
 row[12:16] = 10.0, 1.3, 1.0, 0.0
-row[10] = 1000.0
-print(evaluate(row, 0.1, 0.0)[0])
+row[11] = 1000.0
+print(along(np.zeros(TYRE_SIZE), row, 0.1, 0.0)[0])
 """
 
 

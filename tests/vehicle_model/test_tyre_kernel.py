@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from vehicle_model.road import RoadTables
 from vehicle_model.road_file import RoadFile, load_surfaces
 from vehicle_model.tyres.coefficients import TYRE_SIZE, write_tyre
-from vehicle_model.tyres.kernel import PEAK_FORCE_X, PEAK_SLIP_X, PREPARED_SIZE, STIFFNESS_X, evaluate, prepare
+from vehicle_model.tyres.kernel import PEAK_FORCE_X, PEAK_SLIP_X, PREPARED_SIZE, STIFFNESS_X, across, along, prepare
 from vehicle_model.tyres.tyre_file import CurveTyre
 from vehicle_model.vehicle_file import load_tyres
 
@@ -24,9 +24,17 @@ def prepared(
     speed: float = 20.0,
 ) -> NDArray[np.float64]:
     row, result = np.zeros(TYRE_SIZE), np.zeros(PREPARED_SIZE)
-    write_tyre(tyre or load_tyres("reduced_set_t").front, row)
-    prepare(row, RoadTables(RoadFile(surface=surface)).surfaces[0], friction, load, speed, result)
+    write_tyre(tyre or load_tyres("reduced_set_t").front, row, right=False)
+    prepare(row, RoadTables(RoadFile(surface=surface)).surfaces[0], friction, load, speed, 0.0, result)
     return result
+
+
+def evaluate(row: NDArray[np.float64], slip_x: float, slip_y: float) -> tuple[float, float, float, float]:
+    """Longitudinal force, side force, slope, aligning moment of a curve tyre, whose own row is not needed."""
+    none = np.zeros(TYRE_SIZE)
+    force_x, slope = along(none, row, slip_x, slip_y)
+    force_y, moment_z = across(none, row, slip_x, slip_y)
+    return force_x, force_y, slope, moment_z
 
 
 def tyre_with(**changes: object) -> CurveTyre:
@@ -136,13 +144,13 @@ def test_load_sensitivity_lowers_friction_with_load() -> None:
 def test_full_burckhardt_falls_with_speed_and_load() -> None:
     row = np.zeros(PREPARED_SIZE)
     tyre = np.zeros(TYRE_SIZE)
-    write_tyre(load_tyres("reduced_set_t").front, tyre)
+    write_tyre(load_tyres("reduced_set_t").front, tyre, right=False)
     from vehicle_model.road_file import Surface
     from vehicle_model.tyres.tyre_file import BurckhardtCurve
 
     curve = BurckhardtCurve(c1=1.2801, c2=23.99, c3=0.52, c4=0.003, c5=1.5e-10)
     road = RoadTables(RoadFile(surface="fast", surfaces={"fast": Surface(curve=curve)}))
-    prepare(tyre, road.surfaces[0], 1.0, 4000.0, 30.0, row)
+    prepare(tyre, road.surfaces[0], 1.0, 4000.0, 30.0, 0.0, row)
     force = -evaluate(row, -0.5, 0.0)[0] / 4000.0
     base = 1.2801 * (1.0 - math.exp(-23.99 * 0.5)) - 0.52 * 0.5
     assert force == pytest.approx(base * math.exp(-0.003 * 0.5 * 30.0) * (1.0 - 1.5e-10 * 4000.0**2))  # eq. 10

@@ -10,7 +10,7 @@ from vehicle_model.plant_record import PARAMETER_RECORD, STATE_RECORD, Record
 from vehicle_model.road import RoadTables
 from vehicle_model.road_file import RoadFile
 from vehicle_model.tyres.coefficients import TYRE_SIZE, write_tyre
-from vehicle_model.tyres.kernel import PREPARED_SIZE, STIFFNESS_X, STIFFNESS_Y, evaluate, prepare
+from vehicle_model.tyres.kernel import PREPARED_SIZE, STIFFNESS_X, STIFFNESS_Y, along, prepare
 from vehicle_model.vehicle_file import load_tyres
 from vehicle_model.wheel_step import spin_wheel
 
@@ -37,14 +37,15 @@ class Wheel:
         for name, value in (defaults | changes).items():
             self.p[name][0] = value
         self.s["load"][0] = LOAD
-        row = np.zeros(TYRE_SIZE)
+        self.row: NDArray[np.float64] = np.zeros(TYRE_SIZE)
+        row = self.row
         self.tyre: NDArray[np.float64] = np.zeros(PREPARED_SIZE)
-        write_tyre(load_tyres("reduced_unit_peak").front, row)
-        prepare(row, RoadTables(RoadFile()).surfaces[0], 1.0, LOAD, 20.0, self.tyre)
+        write_tyre(load_tyres("reduced_unit_peak").front, row, right=False)
+        prepare(row, RoadTables(RoadFile()).surfaces[0], 1.0, LOAD, 20.0, 0.0, self.tyre)
         self.omega = 0.0
 
     def turn(self, v_x: float, v_y: float = 0.0, brake: float = 0.0, drive: float = 0.0) -> None:
-        self.omega = spin_wheel(self.p, self.s, 0, self.tyre, self.omega, brake, drive, v_x, v_y, STEP)
+        self.omega = spin_wheel(self.p, self.s, 0, self.row, self.tyre, self.omega, brake, drive, v_x, v_y, STEP)
 
 
 def test_the_brake_holds_up_to_its_capacity_and_not_beyond() -> None:
@@ -119,7 +120,7 @@ def test_bristles_agree_with_the_curve_in_slow_rolling() -> None:
 def test_a_dragged_locked_wheel_gives_the_sliding_force_almost_down_to_a_stop() -> None:
     """In the last quarter of a metre per second the contact's damper relaxes while its spring winds up."""
     wheel = Wheel()
-    sliding = evaluate(wheel.tyre, -1.0, 0.0)[0]
+    sliding = along(wheel.row, wheel.tyre, -1.0, 0.0)[0]
     speed = 1.5
     while speed > 0.005:
         wheel.turn(speed, brake=5000.0)
@@ -146,8 +147,8 @@ def test_a_lifted_wheel_has_no_force() -> None:
     wheel = Wheel()
     wheel.s["load"][0] = 0.0
     row = np.zeros(TYRE_SIZE)
-    write_tyre(load_tyres("reduced_unit_peak").front, row)
-    prepare(row, RoadTables(RoadFile()).surfaces[0], 1.0, 0.0, 20.0, wheel.tyre)
+    write_tyre(load_tyres("reduced_unit_peak").front, row, right=False)
+    prepare(row, RoadTables(RoadFile()).surfaces[0], 1.0, 0.0, 20.0, 0.0, wheel.tyre)
     for speed in (20.0, 0.3, 0.0):
         wheel.turn(speed, 0.1, brake=100.0)
         assert wheel.s["force_x"][0] == pytest.approx(0.0, abs=1e-9)

@@ -199,4 +199,4 @@ class SingleTrack:
             p["contact_damping"][axle] = 2.0 * contact.damping
             p["full_below"][axle], p["none_above"][axle] = contact.full_below, contact.none_above
             for row in self._tyres[2 * axle : 2 * axle + 2]:
-                write_tyre(tyre, row)
+                write_tyre(tyre, row, right=False)

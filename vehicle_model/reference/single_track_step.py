@@ -15,7 +15,7 @@ from vehicle_model.interface import TIME_STEP_S
 from vehicle_model.reference.single_track_outputs import write_outputs
 from vehicle_model.reference.single_track_record import FRONT, REAR
 from vehicle_model.road import friction_at, slopes_at
-from vehicle_model.tyres.kernel import PEAK_FORCE_X, PEAK_SLIP_X, STIFFNESS_X, evaluate, prepare
+from vehicle_model.tyres.kernel import PEAK_FORCE_X, PEAK_SLIP_X, STIFFNESS_X, along, prepare
 
 _SMALLEST_SPEED = 1e-6
 _SMALLEST_LOAD = 1.0
@@ -67,7 +67,7 @@ def _bristle_friction(
 
 
 @njit(cache=True)
-def _friction(p: Any, s: Any, axle: int, prepared: Any, h: float) -> None:
+def _friction(p: Any, s: Any, axle: int, tyres: Any, prepared: Any, h: float) -> None:
     """Friction coefficient of an axle and its slope by the wheel's speed [s/rad], at the present slip."""
     rolling = p.radius[axle] * s.omega[axle]
     slide = rolling - s.speed
@@ -79,10 +79,10 @@ def _friction(p: Any, s: Any, axle: int, prepared: Any, h: float) -> None:
     slip_slope = p.radius[axle] * (s.speed / (divisor * rolling) if turning else 1.0 / divisor)
     friction = slope = 0.0
     for i in range(2 * axle, 2 * axle + 2):
-        force, _, along, _ = evaluate(prepared[i], slip, 0.0)
+        force, rise = along(tyres[i], prepared[i], slip, 0.0)
         s.wheel_friction[i] = 2.0 * force / s.prepared_load[axle]
         friction += force / s.prepared_load[axle]
-        slope += along / s.prepared_load[axle]
+        slope += rise / s.prepared_load[axle]
     slope *= slip_slope
     if speed < p.none_above[axle]:
         share = min((p.none_above[axle] - speed) / (p.none_above[axle] - p.full_below[axle]), 1.0)
@@ -194,7 +194,7 @@ def _look_at_road(
             y = s.y + along * sine + across * cosine
             friction, surface = friction_at(road, jumps, patches, x, y, time)
             load = 0.5 * s.prepared_load[axle]
-            prepare(tyres[i], surfaces[surface], friction * p.friction_factor[i], load, abs(s.speed), prepared[i])
+            prepare(tyres[i], surfaces[surface], friction * p.friction_factor[i], load, abs(s.speed), 0.0, prepared[i])
             s.friction_limit[i] = prepared[i, PEAK_FORCE_X] / load
 
 
@@ -256,7 +256,7 @@ def single_track_tick(
         s.mean_force[axle] = s.mean_load[axle] = s.mean_brake[axle] = 0.0
     for _ in range(p.substeps):
         for axle in range(2):
-            _friction(p, s, axle, prepared, h)
+            _friction(p, s, axle, tyres, prepared, h)
         solve_loads(p, s, weight)
         for axle in range(2):
             capacity = max(brake[2 * axle], 0.0) + max(brake[2 * axle + 1], 0.0)

@@ -5,15 +5,18 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle_model.tyres.tyre_file import BurckhardtCurve, CurveTyre, MagicFormulaCurve
+from vehicle_model.tyres.magic_formula_record import FIELDS
+from vehicle_model.tyres.tyre_file import BurckhardtCurve, CurveTyre, MagicFormulaCurve, TirTyre
 
-MAGIC_FORMULA, BURCKHARDT = 0, 1
+MAGIC_FORMULA, BURCKHARDT, TIR = 0, 1, 2
 SIMILARITY, KAMM = 0, 1
 
 # row of a tyre
 TYRE_KIND, TYRE_COMBINED = 0, 1
 TYRE_X, TYRE_Y = 2, 8  # starts of two curves, each in the layout CURVE_*
 TYRE_LOAD_SENSITIVITY, TYRE_NOMINAL_LOAD, TYRE_TRAIL = 20, 21, 22
+# of a tyre from a .tir file: which combination, side of the car it was measured for, then its record
+TYRE_ELLIPSE, TYRE_MIRRORED, TYRE_RECORD = 1, 2, 24
 TYRE_SIZE = 256
 
 # row of a surface
@@ -68,11 +71,41 @@ def write_curve(curve: MagicFormulaCurve | BurckhardtCurve, row: NDArray[np.floa
     return BURCKHARDT
 
 
-def write_tyre(tyre: CurveTyre, row: NDArray[np.float64]) -> None:
-    """Fill the row of one tyre (shape ``(TYRE_SIZE,)``)."""
+def write_tyre(tyre: CurveTyre | TirTyre, row: NDArray[np.float64], *, right: bool) -> None:
+    """Fill the row of one tyre (shape ``(TYRE_SIZE,)``); ``right`` for one on the right side of the car."""
+    row[:] = 0.0
+    if isinstance(tyre, TirTyre):
+        _write_tir(tyre, row, right)
+    else:
+        _write_curves(tyre, row)
+
+
+def _write_curves(tyre: CurveTyre, row: NDArray[np.float64]) -> None:
     row[TYRE_KIND] = write_curve(tyre.longitudinal, row[TYRE_X : TYRE_X + CURVE_SIZE])
     write_curve(tyre.lateral, row[TYRE_Y : TYRE_Y + CURVE_SIZE])
     row[TYRE_COMBINED] = KAMM if tyre.combined_slip == "kamm" else SIMILARITY
     row[TYRE_LOAD_SENSITIVITY] = tyre.load_sensitivity
     row[TYRE_NOMINAL_LOAD] = tyre.nominal_load
     row[TYRE_TRAIL] = tyre.pneumatic_trail
+
+
+def _write_tir(tyre: TirTyre, row: NDArray[np.float64], right: bool) -> None:
+    from vehicle_model.tyres.magic_formula_tyre import read_tir
+
+    scale = {
+        "LMUX": tyre.longitudinal_friction_scale,
+        "LMUY": tyre.lateral_friction_scale,
+        "LKX": tyre.slip_stiffness_scale,
+        "LKY": tyre.cornering_stiffness_scale,
+    }
+    read = read_tir(tyre.tir, combined_slip=tyre.combined_slip)
+    record = read.record.copy()
+    for name, factor in scale.items():
+        record[name] *= factor
+    if tyre.inflation_pressure is not None:
+        record["INFLPRES"] = tyre.inflation_pressure
+    row[TYRE_KIND] = TIR
+    row[TYRE_ELLIPSE] = float(read.uses_ellipse)
+    measured_right = read.measured_side == "RIGHT"
+    row[TYRE_MIRRORED] = float(right != measured_right)
+    row[TYRE_RECORD : TYRE_RECORD + len(FIELDS)] = record.view(np.float64)

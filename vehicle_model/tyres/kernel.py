@@ -1,8 +1,8 @@
-"""Tyre forces inside the compiled plant, in two stages.
+"""Tyre forces inside the compiled plant, in three stages.
 
-``prepare`` turns a tyre, the surface under it and the load into a short row that holds for one tick; ``evaluate`` gives
-the forces at a slip from that row and is called in every sub-step of the wheel's spin. A tyre formula joins the plant
-with a branch in each of the two.
+``prepare`` turns a tyre, the surface under it and the load into a short row that holds for one step of the car;
+``along`` gives the longitudinal force at a slip from that row in every sub-step of the wheel's spin; ``across`` gives
+the side force and the aligning moment, once per step. A tyre formula joins the plant with a branch in each of these.
 
 The slip vector is the sliding velocity of the tread over the road, turned round, over the larger of rolling and
 travelling speed: ``slip_x = (R w - v_x) / V`` (slip S5 of the friction document), ``slip_y = -v_y / V``. Forces point
@@ -29,6 +29,7 @@ from vehicle_model.tyres.coefficients import (
     SURFACE_FACTOR,
     SURFACE_KIND,
     SURFACE_REPLACES,
+    TIR,
     TYRE_COMBINED,
     TYRE_KIND,
     TYRE_LOAD_SENSITIVITY,
@@ -38,13 +39,17 @@ from vehicle_model.tyres.coefficients import (
     TYRE_Y,
 )
 from vehicle_model.tyres.curves import burckhardt, magic_formula
+from vehicle_model.tyres.tir_kernel import across_tir, along_tir, prepare_tir
 
 # row that holds for one tick: what every formula gives ...
 PEAK_FORCE_X, PEAK_FORCE_Y, PEAK_SLIP_X, PEAK_SLIP_Y, STIFFNESS_X, STIFFNESS_Y = range(6)
-# ... and what the curve tyres keep for themselves
-_RESULTANT, _COMBINED, _TRAIL, _SPEED, _SCALE = range(6, 11)
+_FROM_TIR = 6
+# ... what the curve tyres keep for themselves
+_RESULTANT, _COMBINED, _TRAIL, _SPEED, _SCALE = range(7, 12)
 _X, _Y = 12, 18
-PREPARED_SIZE = 32
+# ... and where tyres from .tir files keep their coefficients
+_KEPT = 12
+PREPARED_SIZE = 64
 
 
 @njit(cache=True)
@@ -68,9 +73,10 @@ def prepare(
     friction: float,
     load: float,
     speed: float,
+    camber: float,
     prepared: NDArray[np.float64],
 ) -> None:
-    """Fill ``prepared`` (shape ``(PREPARED_SIZE,)``) for the coming tick.
+    """Fill ``prepared`` (shape ``(PREPARED_SIZE,)``) for the coming step.
 
     Parameters
     ----------
@@ -82,7 +88,26 @@ def prepare(
         Vertical load, not negative.
     speed : m/s
         Speed of the wheel centre.
+    camber : rad
+        Inclination, top to the right positive; curve tyres do not use it.
     """
+    prepared[_FROM_TIR] = 0.0
+    if tyre[TYRE_KIND] == TIR and surface[SURFACE_REPLACES] == 0.0:
+        prepared[_FROM_TIR] = 1.0
+        prepare_tir(tyre, friction * surface[SURFACE_FACTOR], load, camber, prepared, prepared[_KEPT:])
+        return
+    _prepare_curves(tyre, surface, friction, load, speed, prepared)
+
+
+@njit(cache=True)
+def _prepare_curves(
+    tyre: NDArray[np.float64],
+    surface: NDArray[np.float64],
+    friction: float,
+    load: float,
+    speed: float,
+    prepared: NDArray[np.float64],
+) -> None:
     scale = load * friction
     sensitivity = tyre[TYRE_LOAD_SENSITIVITY]
     if sensitivity != 0.0:
@@ -122,7 +147,7 @@ def prepare(
 
 
 @njit(cache=True)
-def _along(prepared: NDArray[np.float64], start: int, slip: float) -> tuple[float, float]:
+def _curve(prepared: NDArray[np.float64], start: int, slip: float) -> tuple[float, float]:
     """Magic Formula in one direction: force and slope."""
     return magic_formula(
         slip,
@@ -137,7 +162,7 @@ def _along(prepared: NDArray[np.float64], start: int, slip: float) -> tuple[floa
 def _resultant(prepared: NDArray[np.float64], slip: float) -> tuple[float, float]:
     """Curve of the resultant slip: force and slope."""
     if prepared[_RESULTANT] == 1.0:
-        return _along(prepared, _X, slip)
+        return _curve(prepared, _X, slip)
     value, slope = burckhardt(
         slip, prepared[_X], prepared[_X + 1], prepared[_X + 2], prepared[_X + 3], prepared[_SPEED]
     )
@@ -145,43 +170,55 @@ def _resultant(prepared: NDArray[np.float64], slip: float) -> tuple[float, float
 
 
 @njit(cache=True)
-def evaluate(prepared: NDArray[np.float64], slip_x: float, slip_y: float) -> tuple[float, float, float, float]:
-    """Forces at a slip.
+def _relative(prepared: NDArray[np.float64], slip_x: float, slip_y: float) -> float:
+    """Length of the slip vector whose parts are divided by the slips at the peaks."""
+    x, y = slip_x / prepared[PEAK_SLIP_X], slip_y / prepared[PEAK_SLIP_Y]
+    return math.sqrt(x * x + y * y)
 
-    Returns
-    -------
-    force_x, force_y : N
-        Along the wheel's heading and to its left.
-    slope : N
-        Derivative of ``force_x`` by ``slip_x``.
-    moment_z : N m
-        Aligning moment.
-    """
-    relative_x, relative_y = slip_x / prepared[PEAK_SLIP_X], slip_y / prepared[PEAK_SLIP_Y]
-    relative = math.sqrt(relative_x * relative_x + relative_y * relative_y)
+
+@njit(cache=True)
+def along(
+    tyre: NDArray[np.float64], prepared: NDArray[np.float64], slip_x: float, slip_y: float
+) -> tuple[float, float]:
+    """Longitudinal force [N] along the wheel's heading, and its derivative by ``slip_x``."""
+    if prepared[_FROM_TIR] != 0.0:
+        return along_tir(tyre, prepared[_KEPT:], slip_x, slip_y)
+    relative = _relative(prepared, slip_x, slip_y)
     if relative < 1e-9:
-        force_x, slope = prepared[STIFFNESS_X] * slip_x, prepared[STIFFNESS_X]
+        return prepared[STIFFNESS_X] * slip_x, prepared[STIFFNESS_X]
+    if prepared[_RESULTANT] != 0.0:
+        slip = math.sqrt(slip_x * slip_x + slip_y * slip_y)
+        force, rise = _resultant(prepared, slip)
+        cosine = slip_x / slip
+        return force * cosine, rise * cosine * cosine + force / slip * (1.0 - cosine * cosine)
+    if prepared[_COMBINED] == KAMM:
+        return _curve(prepared, _X, slip_x)
+    # similarity: both curves at the same share of their peak slip, the force along the normalised slip vector
+    slip = relative * prepared[PEAK_SLIP_X]
+    force, rise = _curve(prepared, _X, slip)
+    cosine = slip_x / slip
+    return force * cosine, rise * cosine * cosine + force / slip * (1.0 - cosine * cosine)
+
+
+@njit(cache=True)
+def across(
+    tyre: NDArray[np.float64], prepared: NDArray[np.float64], slip_x: float, slip_y: float
+) -> tuple[float, float]:
+    """Side force [N] to the left of the wheel's heading, and aligning moment [N m]."""
+    if prepared[_FROM_TIR] != 0.0:
+        return across_tir(tyre, prepared[_KEPT:], slip_x, slip_y)
+    if slip_y == 0.0:
+        return 0.0, 0.0
+    relative = _relative(prepared, slip_x, slip_y)
+    if relative < 1e-9:
         force_y = prepared[STIFFNESS_Y] * slip_y
     elif prepared[_RESULTANT] != 0.0:
         slip = math.sqrt(slip_x * slip_x + slip_y * slip_y)
-        force, along = _resultant(prepared, slip)
-        cosine = slip_x / slip
-        force_x, force_y = force * cosine, force * slip_y / slip
-        slope = along * cosine * cosine + force / slip * (1.0 - cosine * cosine)
+        force_y = _resultant(prepared, slip)[0] * slip_y / slip
     elif prepared[_COMBINED] == KAMM:
-        force_x, slope = _along(prepared, _X, slip_x)
-        force_y, _ = _along(prepared, _Y, slip_y)
-        used = force_x / max(prepared[PEAK_FORCE_X], 1e-9)
-        force_y *= math.sqrt(max(1.0 - used * used, 0.0))
+        used = _curve(prepared, _X, slip_x)[0] / max(prepared[PEAK_FORCE_X], 1e-9)
+        force_y = _curve(prepared, _Y, slip_y)[0] * math.sqrt(max(1.0 - used * used, 0.0))
     else:
-        # similarity: both curves at the same share of their peak slip, the force along the normalised slip vector
-        cosine = relative_x / relative
-        force, along = _along(prepared, _X, relative * prepared[PEAK_SLIP_X])
-        force_x = force * cosine
-        slope = along * cosine * cosine + force / (relative * prepared[PEAK_SLIP_X]) * (1.0 - cosine * cosine)
-        if slip_y == 0.0:
-            force_y = 0.0
-        else:
-            force, _ = _along(prepared, _Y, relative * prepared[PEAK_SLIP_Y])
-            force_y = force * relative_y / relative
-    return force_x, force_y, slope, -prepared[_TRAIL] * max(1.0 - relative, 0.0) * force_y
+        slip = relative * prepared[PEAK_SLIP_Y]
+        force_y = _curve(prepared, _Y, slip)[0] * slip_y / slip
+    return force_y, -prepared[_TRAIL] * max(1.0 - relative, 0.0) * force_y

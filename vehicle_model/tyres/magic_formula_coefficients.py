@@ -60,6 +60,7 @@ COEFFICIENT_RECORD = np.dtype(
             "d_r",
             "arm",
             "arm_side_force",
+            "share",  # of a load below the lightest evaluated one, for the plant
         )
     ]
 )

@@ -47,6 +47,19 @@ def pure_longitudinal(p: Record, c: Record, kappa: float) -> float:
 
 
 @njit(cache=True)
+def longitudinal_force_and_slope(p: Record, c: Record, kappa: float, alpha: float) -> tuple[float, float]:
+    """Longitudinal force under combined slip and its derivative by the slip ratio, the weight's own change left out."""
+    slip = kappa + c.shift_x
+    e = _limited(c.e_x * (1.0 - p.PEX4 * _sign(slip)), p)
+    x = _clamped(c.b_x * slip, p)
+    y = x - e * (x - math.atan(x))
+    angle = c.shape_x * math.atan(y)
+    slope = c.peak_x * math.cos(angle) * c.shape_x * c.b_x * (1.0 - e * (x * x / (1.0 + x * x))) / (1.0 + y * y)
+    weight = _longitudinal_weight(p, c, kappa, alpha)
+    return weight * (c.peak_x * math.sin(angle) + c.offset_x), weight * slope
+
+
+@njit(cache=True)
 def _side_force(p: Record, c: Record, alpha: float, angle: float, flat: bool) -> float:
     """Side force without longitudinal slip, 4.E19; ``flat`` leaves out the camber (for the aligning moment of 6.x)."""
     if flat:
@@ -62,6 +75,8 @@ def _side_force(p: Record, c: Record, alpha: float, angle: float, flat: bool) ->
 @njit(cache=True)
 def _longitudinal_weight(p: Record, c: Record, kappa: float, alpha: float) -> float:
     """G_xa, 4.E53."""
+    if alpha == 0.0:
+        return 1.0
     b = c.weight_b_x / math.sqrt(1.0 + (p.RBX2 * kappa) ** 2)  # 4.E54: cos(arctan(x))
     e = _limited(c.weight_e_x, p)
     return _weight(b * (alpha + p.RHX1), p.RCX1, e) / _weight(b * p.RHX1, p.RCX1, e)

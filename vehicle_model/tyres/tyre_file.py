@@ -70,11 +70,40 @@ class CurveTyre(FileModel):
     contact: Contact = Contact()
 
 
+class TirTyre(FileModel):
+    """A tyre of the Magic Formula from a ``.tir`` file; its path starts from the file that names it."""
+
+    tir: str
+    combined_slip: Literal["auto", "weights", "ellipse"] = "auto"
+    inflation_pressure: float | None = parameter(
+        "Pa", None, low=1e4, high=2e6, description="that of the .tir file if left out"
+    )
+    longitudinal_friction_scale: float = parameter(
+        "1", 1.0, low=0.0, high=3.0, neutral=1.0, description="on the friction of the .tir file, as LMUX"
+    )
+    lateral_friction_scale: float = parameter(
+        "1", 1.0, low=0.0, high=3.0, neutral=1.0, description="on the friction of the .tir file, as LMUY"
+    )
+    slip_stiffness_scale: float = parameter(
+        "1", 1.0, low=0.05, high=5.0, neutral=1.0, description="on the slope of the .tir file, as LKX"
+    )
+    cornering_stiffness_scale: float = parameter(
+        "1", 1.0, low=0.05, high=5.0, neutral=1.0, description="on the slope of the .tir file, as LKY"
+    )
+    relaxation_length_longitudinal: float = parameter(
+        "m", 0.0, low=0.0, high=2.0, neutral=0.0, description="lag of the slip"
+    )
+    relaxation_length_lateral: float = parameter(
+        "m", 0.0, low=0.0, high=2.0, neutral=0.0, description="lag of the slip"
+    )
+    contact: Contact = Contact()
+
+
 class TyrePair(FileModel):
     """Tyres of the front and the rear axle."""
 
-    front: CurveTyre
-    rear: CurveTyre
+    front: CurveTyre | TirTyre
+    rear: CurveTyre | TirTyre
 
 
 class TyreFile(TyrePair):
