@@ -13,13 +13,15 @@ from numba import njit
 from estimators.friction_jacobians import (
     DESIGN_COLUMNS,
     MEASUREMENTS,
+    ROW_WHEEL_F,
+    ROW_WHEEL_R,
     TRANSITION_COLUMNS,
     hold_limit_rates,
     measure,
     predict,
     share_limit_noise,
 )
-from estimators.friction_model import AXLES, SPEED, STATES, STOPPED_F, STOPPED_R
+from estimators.friction_model import AXLES, SPEED, STATES, STOPPED_F, STOPPED_R, WHEEL_F, WHEEL_R
 from estimators.friction_settings import FrictionEkfSettings, friction_inputs
 from estimators.friction_setup import friction_tuning, post_filter_delay, post_filter_memory
 from estimators.friction_step import (
@@ -27,12 +29,12 @@ from estimators.friction_step import (
     INNOVATION,
     KINEMATIC_WHEELS,
     LOCKED_RATE_DECAY,
-    MEASUREMENT_VARIANCE,
     PROCESS_VARIANCE,
     SAMPLE_TIME,
     STATUS_SIZE,
     SUBSTEPS,
     begin_tick,
+    bring_forward,
     build_measurement,
     forget_everything,
     guard_limits,
@@ -42,13 +44,14 @@ from estimators.friction_step import (
 )
 from estimators.inputs import input_guard
 from estimators.interface import Estimator
-from estimators.kalman.correction import correct_rows
+from estimators.kalman.correction import ROW_STALE, correct_rows
 from estimators.kalman.covariance import FloatArray, IntArray, all_finite, propagate_sparse
 from estimators.longitudinal_start import RUN
+from estimators.wheel_speed_sensor import HISTORY_SIZE, forget_changes
 
 # rows of the memory, nine columns each
-_STATE, _PREDICTED, _EXPECTED, _MEASURED, _TORQUES = range(5)
-_COVARIANCE = 5
+_STATE, _PREDICTED, _EXPECTED, _MEASURED, _TORQUES, _NOISE = range(6)
+_COVARIANCE = 6
 _TRANSITION = _COVARIANCE + STATES
 _DESIGN = _TRANSITION + STATES
 _SCRATCH = _DESIGN + MEASUREMENTS
@@ -58,7 +61,12 @@ _MEMORY_ROWS = _FORCES + 3
 
 @njit(cache=True)
 def filter_step(
-    memory: FloatArray, tuning: FloatArray, torques: FloatArray, measured: FloatArray, rows: IntArray
+    memory: FloatArray,
+    history: FloatArray,
+    tuning: FloatArray,
+    torques: FloatArray,
+    measured: FloatArray,
+    rows: IntArray,
 ) -> float:
     """One step of the filter: predict, correct (3.6.10); returns the normalised innovation squared."""
     state, predicted = memory[_STATE], memory[_PREDICTED]
@@ -69,6 +77,8 @@ def filter_step(
     forces = memory[_FORCES:_MEMORY_ROWS].ravel()[:24].reshape(4, 6)
     variances = tuning[PROCESS_VARIANCE : PROCESS_VARIANCE + STATES]
     substeps = int(tuning[SUBSTEPS])
+    before_f, before_r = state[WHEEL_F], state[WHEEL_R]
+    noise = memory[_NOISE, :MEASUREMENTS]
     for _ in range(substeps):
         predict(
             state,
@@ -80,13 +90,15 @@ def filter_step(
             predicted,
             transition,
         )
-        locked = forces[AXLES, STOPPED_F] * forces[AXLES, STOPPED_R] > 0.0
-        if locked:
+        blind_f = forces[AXLES, STOPPED_F] > 0.0 or rows[ROW_WHEEL_F] == ROW_STALE
+        blind_r = forces[AXLES, STOPPED_R] > 0.0 or rows[ROW_WHEEL_R] == ROW_STALE
+        if blind_f and blind_r:
             hold_limit_rates(predicted, transition, tuning[LOCKED_RATE_DECAY])
         propagate_sparse(covariance, transition, TRANSITION_COLUMNS, variances, scratch)
-        if locked:
+        if blind_f and blind_r:
             share_limit_noise(covariance, variances)
         state[:] = predicted
+    bring_forward(history, tuning, state[WHEEL_F] - before_f, state[WHEEL_R] - before_r, measured, noise)
     expected = memory[_EXPECTED, :MEASUREMENTS]
     measure(state, tuning, forces, expected, design)
     for r in range(MEASUREMENTS):
@@ -96,7 +108,7 @@ def filter_step(
         covariance,
         expected,
         design,
-        tuning[MEASUREMENT_VARIANCE : MEASUREMENT_VARIANCE + MEASUREMENTS],
+        noise,
         rows,
         tuning[GATE],
         DESIGN_COLUMNS,
@@ -107,6 +119,7 @@ def filter_step(
 @njit(cache=True)
 def _tick(
     memory: FloatArray,
+    history: FloatArray,
     status: FloatArray,
     filters: FloatArray,
     rows: IntArray,
@@ -123,10 +136,12 @@ def _tick(
         torques, measured = memory[_TORQUES], memory[_MEASURED]
         read_torques(guard, tuning, torques)
         build_measurement(guard, tuning, status, state[SPEED], measured, rows)
-        status[INNOVATION] = filter_step(memory, tuning, torques, measured, rows)
+        status[INNOVATION] = filter_step(memory, history, tuning, torques, measured, rows)
         guard_limits(state, tuning)
         if not all_finite(state):
             stop(state, covariance, status, tuning)
+    else:
+        forget_changes(history)
     forces = memory[_FORCES:_MEMORY_ROWS].ravel()[:24].reshape(4, 6)
     write_outputs(state, covariance, status, tuning, forces, filters, out)
 
@@ -154,6 +169,7 @@ class FrictionEkf(Estimator):
         self._tuning[SUBSTEPS] = settings.prediction_substeps
         self._tuning[PROCESS_VARIANCE : PROCESS_VARIANCE + STATES] /= settings.prediction_substeps
         self._memory = np.zeros((_MEMORY_ROWS, STATES))
+        self._history = np.zeros((2, HISTORY_SIZE))
         self._status = np.zeros(STATUS_SIZE)
         self._filters = post_filter_memory(settings)
         self.post_filter_delay_s = post_filter_delay(settings, sample_time_s)
@@ -166,6 +182,7 @@ class FrictionEkf(Estimator):
         self.tick = partial(
             _tick,
             self._memory,
+            self._history,
             self._status,
             self._filters,
             self._rows,
@@ -177,4 +194,4 @@ class FrictionEkf(Estimator):
 
     def reset(self) -> None:
         """Return to the state of a new filter."""
-        forget_everything(self.state, self.covariance, self._status, self._tuning, self._guard)
+        forget_everything(self.state, self.covariance, self._status, self._history, self._tuning, self._guard)

@@ -139,19 +139,25 @@ class FrictionSettings(FileModel):
     )
     locked_rate_time_constant: float = parameter(
         "s",
-        0.05,
+        0.01,
         low=1e-3,
-        description="while the brakes hold both axles still, the rates of the friction limits die out with it",
+        description="while no wheel's speed tells its force, the rates of the friction limits die out with it",
         source="assumed",
     )
-    slowest_pulsed_speed: float = parameter(
-        "rad/s",
-        26.0,
+    wheel_speed_teeth: float | None = parameter(
+        "1",
+        None,
         low=0.0,
-        high=200.0,
-        description="a wheel in deep slip that reads less has no pulse in each frame: its speed is out of date and left "
-        "out; 48 teeth in 5 ms make 26 rad/s",
-        source="assumed",
+        high=512.0,
+        description="teeth of the tone rings, 0 where wheel speeds have no delay; left out: sensors.wheel_speed.teeth "
+        "of the vehicle file, 0 if it has none",
+    )
+    wheel_speed_window: float | None = parameter(
+        "s",
+        None,
+        low=0.0,
+        high=0.1,
+        description="time over which edges make a speed; left out: sensors.wheel_speed.window of the vehicle file",
     )
     input_timeout: float = parameter(
         "s", 0.1, low=0.002, high=5.0, description="time without a good sample after which an input is lost"

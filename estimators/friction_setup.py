@@ -67,7 +67,7 @@ def friction_tuning(vehicle: Mapping[str, float], settings: FrictionSettings, sa
     values[step.POST_FILTER] = _POST_FILTERS[settings.post_filter]
     values[step.POST_FILTER_WEIGHT] = min(1.0, sample_time_s / settings.post_filter_time_constant)
     values[step.LOCKED_RATE_DECAY] = math.exp(-sample_time_s / settings.locked_rate_time_constant)
-    values[step.SLOWEST_PULSED] = settings.slowest_pulsed_speed if known else 0.0
+    values[step.TEETH], values[step.WINDOW] = _tone_ring(vehicle, settings) if known else (0.0, 0.0)
     values[step.SUBSTEPS] = 1
     process = np.square(process_deviations(settings)) * (sample_time_s / _REFERENCE_STEP_S)
     values[step.PROCESS_VARIANCE : step.PROCESS_VARIANCE + model.STATES] = process
@@ -75,6 +75,15 @@ def friction_tuning(vehicle: Mapping[str, float], settings: FrictionSettings, sa
     values[step.MEASUREMENT_VARIANCE : step.INITIAL_VARIANCE] = rows
     values[step.INITIAL_VARIANCE : step.INITIAL_VARIANCE + model.STATES] = np.square(initial_deviations(settings))
     return values
+
+
+def _tone_ring(vehicle: Mapping[str, float], settings: FrictionSettings) -> tuple[float, float]:
+    """Teeth and window [s] of the wheel-speed sensors."""
+    teeth, window = settings.wheel_speed_teeth, settings.wheel_speed_window
+    return (
+        vehicle.get("sensors.wheel_speed.teeth", 0.0) if teeth is None else teeth,
+        vehicle.get("sensors.wheel_speed.window", 0.0) if window is None else window,
+    )
 
 
 def post_filter_memory(settings: FrictionSettings) -> FloatArray:

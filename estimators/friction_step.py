@@ -46,11 +46,18 @@ from estimators.friction_model import (
 )
 from estimators.friction_outputs import FRICTION_OUTPUTS, POSITION
 from estimators.inputs import FRESH, INPUTS_LOST, VALUE, accept_inputs, forget_inputs
-from estimators.kalman.correction import ROW_MISSING, ROW_USED
+from estimators.kalman.correction import ROW_MISSING, ROW_STALE, ROW_USED
 from estimators.kalman.covariance import FloatArray, IntArray
 from estimators.longitudinal_inputs import IN_ACCELERATION, axle_speeds, axle_torques, fresh_axles
 from estimators.longitudinal_start import START, STOP, decide, start_speed
 from estimators.post_filter import forget, post_filter
+from estimators.wheel_speed_sensor import (
+    change_since,
+    forget_changes,
+    remember_change,
+    sample_delay,
+    time_between_edges,
+)
 
 # tuning: one float64 array, the parameters of the model first
 (
@@ -73,9 +80,10 @@ from estimators.post_filter import forget, post_filter
     POST_FILTER,
     POST_FILTER_WEIGHT,
     LOCKED_RATE_DECAY,
-    SLOWEST_PULSED,
+    TEETH,
+    WINDOW,
     SUBSTEPS,
-) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 21)
+) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 22)
 PROCESS_VARIANCE = SUBSTEPS + 1
 MEASUREMENT_VARIANCE = PROCESS_VARIANCE + STATES
 INITIAL_VARIANCE = MEASUREMENT_VARIANCE + MEASUREMENTS
@@ -177,11 +185,17 @@ def stop(state: FloatArray, covariance: FloatArray, status: FloatArray, tuning: 
 
 @njit(cache=True)
 def forget_everything(
-    state: FloatArray, covariance: FloatArray, status: FloatArray, tuning: FloatArray, guard: FloatArray
+    state: FloatArray,
+    covariance: FloatArray,
+    status: FloatArray,
+    history: FloatArray,
+    tuning: FloatArray,
+    guard: FloatArray,
 ) -> None:
     """State of a new filter that has seen nothing."""
     initialise(state, covariance, tuning, 0.0, 0.0, 0.0)
     status[:] = 0.0
+    forget_changes(history)
     forget_inputs(guard)
 
 
@@ -214,7 +228,7 @@ def build_measurement(
     measured : array, shape (8,)
         Filled.
     rows : array of int, shape (8,)
-        Filled with ``ROW_USED`` or ``ROW_MISSING``.
+        Filled with ``ROW_USED``, ``ROW_MISSING`` or ``ROW_STALE``.
     """
     front, rear = axle_speeds(guard)
     acceleration = guard[IN_ACCELERATION, VALUE]
@@ -225,10 +239,6 @@ def build_measurement(
     measured[ROW_SPEED] = speed_before + acceleration * tuning[SAMPLE_TIME]
     for r in range(MEASUREMENTS):
         rows[r] = ROW_USED
-    if _is_stale(front, RADIUS_F, speed_before, tuning):
-        rows[ROW_WHEEL_F] = ROW_MISSING
-    if _is_stale(rear, RADIUS_R, speed_before, tuning):
-        rows[ROW_WHEEL_R] = ROW_MISSING
     if status[SPEED_ROW_WAIT] > 0.0:
         status[SPEED_ROW_WAIT] -= tuning[SAMPLE_TIME]
         rows[ROW_SPEED] = ROW_MISSING
@@ -241,6 +251,10 @@ def build_measurement(
         rows[ROW_WHEEL_F] = ROW_MISSING
     if not fresh_r:
         rows[ROW_WHEEL_R] = ROW_MISSING
+    if _is_stale(front, RADIUS_F, speed_before, tuning):
+        rows[ROW_WHEEL_F] = ROW_STALE
+    if _is_stale(rear, RADIUS_R, speed_before, tuning):
+        rows[ROW_WHEEL_R] = ROW_STALE
 
 
 @njit(cache=True)
@@ -250,7 +264,48 @@ def _is_stale(wheel_speed: float, radius: int, speed: float, tuning: FloatArray)
     The brake's known capacity then says when it stands; believed, the lingering speed would be taken for a road that
     carries the whole torque of the brake.
     """
-    return 0.0 < wheel_speed < tuning[SLOWEST_PULSED] and tuning[radius] * wheel_speed < DEEP_SLIP * speed
+    pulses = wheel_speed * tuning[TEETH] * tuning[WINDOW] / (2.0 * math.pi)
+    return 0.0 < pulses < 1.0 and tuning[radius] * wheel_speed < DEEP_SLIP * speed
+
+
+@njit(cache=True)
+def bring_forward(
+    history: FloatArray,
+    tuning: FloatArray,
+    change_f: float,
+    change_r: float,
+    measured: FloatArray,
+    variances: FloatArray,
+) -> None:
+    """Add to the measured wheel speeds what the model says they changed by since they were true.
+
+    When the last edge passed before the sample is not known, only that it was less than the time between two edges: as
+    much as the speed changed in that time is uncertain.
+
+    Parameters
+    ----------
+    history : array, shape (2, 66)
+        Of :mod:`estimators.wheel_speed_sensor`, changed.
+    change_f, change_r : float
+        Change of the wheel speeds in this tick's prediction [rad/s].
+    measured : array, shape (8,)
+        Its rows of the wheel speeds are changed.
+    variances : array, shape (8,)
+        Filled with the noise variances of the rows.
+    """
+    for r in range(MEASUREMENTS):
+        variances[r] = tuning[MEASUREMENT_VARIANCE + r]
+    if tuning[TEETH] <= 0.0:
+        return
+    remember_change(history, change_f, change_r)
+    for axle in range(2):
+        row = ROW_WHEEL_F + axle
+        delay = sample_delay(measured[row], tuning[TEETH], tuning[WINDOW])
+        if delay > 0.0:
+            moved = change_since(history, axle, delay / tuning[SAMPLE_TIME])
+            uncertain = moved * time_between_edges(measured[row], tuning[TEETH]) / delay
+            variances[row] += uncertain * uncertain / 12.0
+            measured[row] = max(0.0, measured[row] + moved)
 
 
 @njit(cache=True)

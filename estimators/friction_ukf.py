@@ -50,11 +50,11 @@ from estimators.friction_step import (
     INNOVATION,
     KINEMATIC_WHEELS,
     LOCKED_RATE_DECAY,
-    MEASUREMENT_VARIANCE,
     PROCESS_VARIANCE,
     SAMPLE_TIME,
     STATUS_SIZE,
     begin_tick,
+    bring_forward,
     build_measurement,
     forget_everything,
     guard_limits,
@@ -64,6 +64,7 @@ from estimators.friction_step import (
 )
 from estimators.inputs import input_guard
 from estimators.interface import Estimator
+from estimators.kalman.correction import ROW_STALE
 from estimators.kalman.covariance import FloatArray, IntArray, all_finite
 from estimators.kalman.sigma_points import (
     correct_points,
@@ -74,6 +75,7 @@ from estimators.kalman.sigma_points import (
 )
 from estimators.longitudinal_inputs import BRAKE_F, BRAKE_R, DRIVE_F, DRIVE_R
 from estimators.longitudinal_start import RUN
+from estimators.wheel_speed_sensor import HISTORY_SIZE, forget_changes
 
 POINTS = 2 * STATES + 1
 
@@ -87,9 +89,9 @@ _FORCES = _POINTS + POINTS
 _MEMORY_ROWS = _FORCES + 3
 
 # rows of the second memory, eight columns each
-_MEASURED = 0
-_EXPECTED = 1
-_OUTPUTS = 3
+_MEASURED, _VARIANCES = 0, 1
+_EXPECTED = 2
+_OUTPUTS = 4
 _INNOVATION = _OUTPUTS + POINTS
 _ROW_NOISE = _INNOVATION + 2 * MEASUREMENTS
 _CROSS = _ROW_NOISE + MEASUREMENTS
@@ -139,7 +141,12 @@ def measure_point(point: FloatArray, tuning: FloatArray, output: FloatArray) -> 
 
 @njit(cache=True)
 def filter_step(
-    memory: FloatArray, second: FloatArray, tuning: FloatArray, weights: FloatArray, rows: IntArray
+    memory: FloatArray,
+    second: FloatArray,
+    history: FloatArray,
+    tuning: FloatArray,
+    weights: FloatArray,
+    rows: IntArray,
 ) -> float:
     """One step of the filter; the normalised innovation squared, NaN where a covariance is not positive definite."""
     state, torques = memory[_STATE], memory[_TORQUES]
@@ -151,12 +158,20 @@ def filter_step(
     stopped_f, stopped_r = step_point(points[0], torques, tuning[SAMPLE_TIME], tuning)
     for k in range(1, POINTS):
         step_point(points[k], torques, tuning[SAMPLE_TIME], tuning)
-    locked = stopped_f and stopped_r
+    blind_f = stopped_f or rows[ROW_WHEEL_F] == ROW_STALE
+    blind_r = stopped_r or rows[ROW_WHEEL_R] == ROW_STALE
+    locked = blind_f and blind_r
     if locked:
         for k in range(POINTS):
             points[k, RATE_F] *= tuning[LOCKED_RATE_DECAY]
             points[k, RATE_R] *= tuning[LOCKED_RATE_DECAY]
+    before_f, before_r = state[WHEEL_F], state[WHEEL_R]
     predict_points(points, mean_weights, covariance_weights, noise, state, covariance)
+    bring_forward(
+        history, tuning, state[WHEEL_F] - before_f, state[WHEEL_R] - before_r, second[_MEASURED], second[_VARIANCES]
+    )
+    for r in range(MEASUREMENTS):
+        second[_ROW_NOISE + r, r] = second[_VARIANCES, r]
     if locked:
         share_limit_noise(covariance, tuning[PROCESS_VARIANCE : PROCESS_VARIANCE + STATES])
     if not draw_points(state, covariance, spread, points, factor):
@@ -185,6 +200,7 @@ def filter_step(
 def _tick(
     memory: FloatArray,
     second: FloatArray,
+    history: FloatArray,
     weights: FloatArray,
     status: FloatArray,
     filters: FloatArray,
@@ -201,10 +217,12 @@ def _tick(
     if begin_tick(state, covariance, status, tuning, guard, positions, inputs, ages) == RUN:
         read_torques(guard, tuning, memory[_TORQUES])
         build_measurement(guard, tuning, status, state[SPEED], second[_MEASURED], rows)
-        status[INNOVATION] = filter_step(memory, second, tuning, weights, rows)
+        status[INNOVATION] = filter_step(memory, second, history, tuning, weights, rows)
         guard_limits(state, tuning)
         if not (all_finite(state) and np.isfinite(status[INNOVATION])):
             stop(state, covariance, status, tuning)
+    else:
+        forget_changes(history)
     forces = memory[_FORCES:_MEMORY_ROWS].ravel()[:24].reshape(4, 6)
     write_outputs(state, covariance, status, tuning, forces, filters, out)
 
@@ -220,8 +238,6 @@ class FrictionUkf(Estimator):
         self._memory = np.zeros((_MEMORY_ROWS, STATES))
         self._second = np.zeros((_MEASUREMENT_ROWS, MEASUREMENTS))
         self._memory[_NOISE:_POINTS] = np.diag(self._tuning[PROCESS_VARIANCE : PROCESS_VARIANCE + STATES])
-        row_variances = self._tuning[MEASUREMENT_VARIANCE : MEASUREMENT_VARIANCE + MEASUREMENTS]
-        self._second[_ROW_NOISE:_CROSS] = np.diag(row_variances)
         self._weights = np.zeros((3, POINTS))
         mean, covariance, spread = (
             cubature_weights(STATES)
@@ -229,6 +245,7 @@ class FrictionUkf(Estimator):
             else unscented_weights(STATES, settings.alpha, settings.beta, settings.kappa)
         )
         self._weights[0], self._weights[1], self._weights[2, 0] = mean, covariance, spread
+        self._history = np.zeros((2, HISTORY_SIZE))
         self._status = np.zeros(STATUS_SIZE)
         self._filters = post_filter_memory(settings)
         self.post_filter_delay_s = post_filter_delay(settings, sample_time_s)
@@ -242,6 +259,7 @@ class FrictionUkf(Estimator):
             _tick,
             self._memory,
             self._second,
+            self._history,
             self._weights,
             self._status,
             self._filters,
@@ -254,4 +272,4 @@ class FrictionUkf(Estimator):
 
     def reset(self) -> None:
         """Return to the state of a new filter."""
-        forget_everything(self.state, self.covariance, self._status, self._tuning, self._guard)
+        forget_everything(self.state, self.covariance, self._status, self._history, self._tuning, self._guard)

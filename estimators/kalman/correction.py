@@ -11,6 +11,8 @@ from numba import njit
 from estimators.kalman.covariance import FloatArray, IntArray, cholesky, solve_cholesky, symmetrise
 
 ROW_MISSING, ROW_USED, ROW_GATED = 0, 1, 2
+ROW_STALE = -1
+"""A row that is missing because its sensor cannot tell; every value below ``ROW_USED`` leaves a row out."""
 
 
 @njit(cache=True)
@@ -221,7 +223,7 @@ def correct_rows(
     residual, design, variances : arrays, shape (m,), (m, n), (m,)
         y - h(x), H and the diagonal of R.
     rows : array of int, shape (m,)
-        In: ``ROW_MISSING`` leaves a row out. Out: ``ROW_GATED`` where the gate did so.
+        In: values below ``ROW_USED`` leave a row out. Out: ``ROW_GATED`` where the gate did so.
     gate : float
         Largest normalised innovation squared of a row; 0 uses every row.
     columns : array of int, shape (m, k)
@@ -235,7 +237,7 @@ def correct_rows(
         correction[i] = 0.0
     total = 0.0
     for r in range(residual.shape[0]):
-        if rows[r] == ROW_MISSING:
+        if rows[r] < ROW_USED:
             continue
         squared = correct_row(correction, covariance, residual[r], design[r], columns[r], variances[r], gate, work)
         if squared < 0.0:

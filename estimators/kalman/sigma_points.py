@@ -152,7 +152,7 @@ def correct_points(
         R.
     measured : array, shape (m,)
     rows : array of int, shape (m,)
-        0 leaves a row out.
+        Values below 1 leave a row out.
     expected : array, shape (2, m)
         Receives the expected measurement; scratch.
     innovation : array, shape (2, m, m)
@@ -171,7 +171,7 @@ def correct_points(
             s[i, j] += noise[i, j]
     # a row that is left out becomes one of its own that tells nothing
     for r in range(m):
-        if rows[r] == 0:
+        if rows[r] < 1:
             for j in range(m):
                 s[r, j] = 0.0
                 s[j, r] = 0.0
@@ -181,11 +181,11 @@ def correct_points(
     if not cholesky(s, factor):
         return np.nan
     for r in range(m):
-        weighted[r] = measured[r] - mean[r] if rows[r] != 0 else 0.0
+        weighted[r] = measured[r] - mean[r] if rows[r] > 0 else 0.0
     solve_cholesky(factor, weighted)
     squared = 0.0
     for r in range(m):
-        if rows[r] != 0:
+        if rows[r] > 0:
             squared += (measured[r] - mean[r]) * weighted[r]
     for i in range(n):
         for r in range(m):

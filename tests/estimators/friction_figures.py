@@ -57,7 +57,9 @@ class Estimate:
             truth, seed=seed, acceleration_noise=noise[0], wheel_noise=noise[1], actual_torque=actual_torque
         )
         ages = None
-        if path == "bus":
+        if path == "tone_ring":
+            columns = twin.tone_ring(columns, truth)
+        if path != "ideal":
             columns, ages = twin.held(columns)
         self.estimator = estimators.create(estimator, vehicle or twin.TABLE_8, settings)
         self.results = self.estimator.replay(columns, ages)

@@ -246,6 +246,31 @@ def measured(
     return columns
 
 
+def tone_ring(
+    columns: dict[str, FloatArray], run: Run, *, teeth: int = 48, window: int = 5, timeout: int = 300
+) -> dict[str, FloatArray]:
+    """The same signals with wheel speeds as a control unit makes them from edges, ``window`` and ``timeout`` in ms."""
+    result = dict(columns)
+    pitch = 2 * math.pi / teeth
+    for wheel in ("fl", "fr", "rl", "rr"):
+        truth = run.wheel_front if wheel.startswith("f") else run.wheel_rear
+        angle = np.concatenate([[0.0], np.cumsum(0.0005 * (truth[1:] + truth[:-1]))])
+        count = np.floor(angle / pitch).astype(int)
+        # time of every edge in ms; where the wheel stands the angle does not rise, the first instant counts
+        rising = np.concatenate([[True], np.diff(angle) > 0])
+        edges = np.interp(pitch * np.arange(count[-1] + 1), angle[rising], np.flatnonzero(rising).astype(float))
+        speeds = np.zeros(len(run))
+        for k in range(len(run)):
+            last, before = count[k], count[max(0, k - window)]
+            since = k - edges[last]
+            speed = speeds[k - 1] if k else 0.0
+            if last > before:
+                speed = (last - before) * pitch / (0.001 * (edges[last] - edges[before]))
+            speeds[k] = 0.0 if since > timeout else min(speed, pitch / (0.001 * since)) if since > 0 else speed
+        result[f"wheel_speed_{wheel}"] = speeds
+    return result
+
+
 def held(columns: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
     """The same signals as frames of 5 ms (speeds, inertial) and 10 ms (pressures, powertrain), with their ages."""
     length = len(next(iter(columns.values())))

@@ -1,6 +1,7 @@
 """Acceptance figures on the document's single-track car as the bench simulates it (A5 to A10, A12, A13).
 
-Stops from 95 km/h, wheel locked or with a slip-threshold ABS, signals as on the bus, both signs. The filter gets the
+Stops from 95 km/h, wheel locked or with a slip-threshold ABS, wheel speeds from tone rings, signals as on the
+bus, both signs. The filter gets the
 nominal numbers of the vehicle file and what the bus reports, nothing of the plant.
 """
 
@@ -81,7 +82,7 @@ def set_limits(car: SingleTrack, limits: tuple[float, float]) -> None:
 
 def estimate_of(name: str, sign: int, **settings: object) -> Estimate:
     vehicle = load_vehicle("ekf_car").numbers()
-    return Estimate(stop(name), path="bus", vehicle=vehicle, slip_rate_sign=sign, **settings)
+    return Estimate(stop(name), path="tone_ring", vehicle=vehicle, slip_rate_sign=sign, **settings)
 
 
 @pytest.mark.acceptance("F-A5", "F-A6", "F-A7", "F-A8", "F-A9", "F-A10")
