@@ -1,5 +1,6 @@
 """Runs of shipped scenarios, each made once: lock-step, ECU in the test's process, nothing written."""
 
+import json
 from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any
@@ -20,11 +21,12 @@ class JudgedRun:
         self.criteria = {criterion.id: criterion for criterion in run.verdict.criteria}
 
     def __getitem__(self, identifier: str) -> CriterionResult:
-        return self.criteria[identifier]
+        criterion: CriterionResult = self.criteria[identifier]
+        return criterion
 
     def value(self, identifier: str) -> float:
         """Value of a criterion, in its SI unit."""
-        value = self.criteria[identifier].value
+        value: float | None = self.criteria[identifier].value
         assert value is not None, f"{identifier}: {self.criteria[identifier].reason}"
         return value
 
@@ -33,8 +35,8 @@ Judge = Callable[..., JudgedRun]
 
 
 @cache
-def _judged(scenario: str, variant: str | None, sets: tuple[tuple[str, Any], ...]) -> JudgedRun:
-    changes = dict(sets)
+def _judged(scenario: str, variant: str | None, sets: str) -> JudgedRun:
+    changes = json.loads(sets)
     # the ECU of a scenario without one stays away; any other runs in this process
     if resolve(scenario, changes, variant=variant).ecu.kind != "none":
         changes["ecu.kind"] = "inprocess"
@@ -48,7 +50,7 @@ def judged() -> Judge:
     """``judged("friction/e10_abs_grip_jump", variant=None, sets={...})`` runs a scenario once per session."""
 
     def run(scenario: str, variant: str | None = None, sets: Mapping[str, Any] | None = None) -> JudgedRun:
-        return _judged(scenario, variant, tuple(sorted((sets or {}).items())))
+        return _judged(scenario, variant, json.dumps(sets or {}, sort_keys=True))
 
     return run
 

@@ -1,7 +1,7 @@
 """Acceptance targets A1 to A13 and A17 of the friction document (4.8) on its own car, in the shipped scenarios.
 
-The car is the document's single-track twin (2.4, 2.5), the ECU the emulated one over CAN frames, the limits are those of
-the scenarios. The same criteria on the MuJoCo car are listed in docs/acceptance.md.
+The car is the document's single-track twin (2.4, 2.5), the ECU the emulated one over CAN frames, the limits are those
+of the scenarios. The same criteria on the MuJoCo car are listed in docs/acceptance.md.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,9 @@ both_signs = pytest.mark.parametrize("sign", SIGNS)
 both_axles = pytest.mark.parametrize("axle", AXLES)
 
 
-@pytest.mark.parametrize("scenario", [E6, E7, E8, E9, E10, Z1, Z2])
+@pytest.mark.parametrize(
+    "scenario", [E6, E7, E8, E9, E10, Z1, Z2, *(f"friction/asphalt_sim_{case}" for case in ASPHALT)]
+)
 def test_the_document_s_own_car_is_the_plant(scenario: str) -> None:
     assert resolve(scenario).plant == "single_track"
 
@@ -137,8 +139,7 @@ def test_mode_z1_with_plus_sign_is_reported(judged: Any, record: Callable[..., N
 def test_braking_distance_of_the_asphalt_car(
     judged: Any, assert_passed: Any, record: Callable[..., None], case: str
 ) -> None:
-    scenario = f"friction/asphalt_sim_{case}"
-    run = judged(scenario, sets={"plant": "single_track"})
+    run = judged(f"friction/asphalt_sim_{case}")
     low, high = run["braking_distance"].limits
     assert (low, high) == pytest.approx((0.95 * ASPHALT[case], 1.05 * ASPHALT[case]))
     assert_passed(run, "braking_distance", id="F-A17", quantity=f"{case}: distance from 10 % of the deceleration")
