@@ -229,8 +229,6 @@ def _number(value: Any) -> float:
 def _judged(
     criterion: ProcedureCriterion, results: Mapping[str, Any], verdicts: "Mapping[str, list[Verdict]]"
 ) -> "CriterionResult":
-    from bench.verdict.result import INCONCLUSIVE
-
     reason = ""
     try:
         value = evaluate(criterion.value, results)
@@ -238,12 +236,19 @@ def _judged(
     except (ValueError, KeyError, OverflowError) as error:
         value, reason = math.nan, f"no value: {error}"
     for name in sorted(names_used(criterion.value)):
-        if any(run.verdict == INCONCLUSIVE for run in verdicts[name]):
+        if any(_invalid(run) for run in verdicts[name]):
             reason = reason or f"a run of {name!r} is inconclusive"
     low, high = (
         None if limit is None else to_si(limit, criterion.unit) for limit in (criterion.at_least, criterion.at_most)
     )
     return _result(criterion, value, low, high, reason)
+
+
+def _invalid(run: "Verdict") -> bool:
+    """A condition of the whole run did not hold; one criterion without a verdict does not spoil a run's figures."""
+    from bench.verdict.result import INCONCLUSIVE
+
+    return bool(run.criteria) and all(criterion.verdict == INCONCLUSIVE for criterion in run.criteria)
 
 
 def _result(

@@ -92,6 +92,10 @@ def test_missing_values_and_inconclusive_runs_make_it_inconclusive() -> None:
     assert judge_procedure(procedure(), {"abs": [verdict(40.0), verdict(None)]}).verdict == "inconclusive"
     runs = {"abs": [verdict(40.0), verdict(40.0, outcome="inconclusive")]}
     assert judge_procedure(procedure(), runs).verdict == "inconclusive"
+    # locked wheels: one criterion asks for ABS cycles, the run's figures are good all the same
+    partly = verdict(40.0, outcome="inconclusive")
+    partly.criteria += verdict(40.0).criteria
+    assert judge_procedure(procedure(), {"abs": [verdict(40.0), partly]}).verdict == "pass"
 
 
 def test_an_error_of_a_run_is_an_error_of_the_procedure() -> None:
