@@ -158,7 +158,7 @@ def spin_wheel(
         force_x, slope = along(tyre, prepared, slip_x, slip_y)
         slope *= slip_slope
         if slow:
-            force_y, moment_z = across(tyre, prepared, slip_x, slip_y)
+            force_y, moment_z = across(tyre, prepared, slip_x, slip_y, force_x)
         if speed < none_above:
             b_x, b_y, b_slope = _bristles(
                 p, s, i, prepared, slip_x, slip_y, force_x, force_y, slide_x, slide_y, abs(roll), h
@@ -199,7 +199,7 @@ def spin_wheel(
         tyre_work += force_x * radius * mean_omega
 
     if not slow:  # the side force changes little within a step: once, at the mean slip
-        force_y, moment_z = across(tyre, prepared, sum_slip_x / substeps, sum_slip_y / substeps)
+        force_y, moment_z = across(tyre, prepared, sum_slip_x / substeps, sum_slip_y / substeps, sum_x / substeps)
         sum_y, sum_z = force_y * substeps, moment_z * substeps
     mean_friction = sum_friction / substeps
     s.force_x[i] = sum_x / substeps

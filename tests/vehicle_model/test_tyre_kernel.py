@@ -33,7 +33,7 @@ def evaluate(row: NDArray[np.float64], slip_x: float, slip_y: float) -> tuple[fl
     """Longitudinal force, side force, slope, aligning moment of a curve tyre, whose own row is not needed."""
     none = np.zeros(TYRE_SIZE)
     force_x, slope = along(none, row, slip_x, slip_y)
-    force_y, moment_z = across(none, row, slip_x, slip_y)
+    force_y, moment_z = across(none, row, slip_x, slip_y, force_x)
     return force_x, force_y, slope, moment_z
 
 

@@ -94,7 +94,7 @@ def prepare(
     prepared[_FROM_TIR] = 0.0
     if tyre[TYRE_KIND] == TIR and surface[SURFACE_REPLACES] == 0.0:
         prepared[_FROM_TIR] = 1.0
-        prepare_tir(tyre, friction * surface[SURFACE_FACTOR], load, camber, prepared, prepared[_KEPT:])
+        prepare_tir(tyre, friction * surface[SURFACE_FACTOR], load, speed, camber, prepared, prepared[_KEPT:])
         return
     _prepare_curves(tyre, surface, friction, load, speed, prepared)
 
@@ -202,11 +202,11 @@ def along(
 
 @njit(cache=True)
 def across(
-    tyre: NDArray[np.float64], prepared: NDArray[np.float64], slip_x: float, slip_y: float
+    tyre: NDArray[np.float64], prepared: NDArray[np.float64], slip_x: float, slip_y: float, force_x: float
 ) -> tuple[float, float]:
-    """Side force [N] to the left of the wheel's heading, and aligning moment [N m]."""
+    """Side force [N] to the left of the wheel's heading, and aligning moment [N m], beside a longitudinal force [N]."""
     if prepared[_FROM_TIR] != 0.0:
-        return across_tir(tyre, prepared[_KEPT:], slip_x, slip_y)
+        return across_tir(tyre, prepared[_KEPT:], slip_x, slip_y, force_x)
     if slip_y == 0.0:
         return 0.0, 0.0
     relative = _relative(prepared, slip_x, slip_y)

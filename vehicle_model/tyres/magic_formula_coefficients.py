@@ -188,8 +188,12 @@ def coefficients(p: Record, c: Record, load: float, camber_angle: float, pressur
     _longitudinal(p, c, dpi, camber_angle, friction)
     c.shape_y = p.PCY1 * p.LCY  # 4.E21
     (c.peak_y, c.stiffness_y, c.b_y, c.e_y, c.e_y_sign, c.shift_y, c.offset_y) = _lateral(p, c, dpi, c.camber, friction)
-    (c.peak_y_0, c.stiffness_y_0, c.b_y_0, c.e_y_0, c.e_y_sign_0, c.shift_y_0, c.offset_y_0) = _lateral(
-        p, c, dpi, 0.0, friction
-    )
+    if c.camber == 0.0 or (p.VERSION == VERSION_52 and p.residual_without_camber == 0.0):
+        c.peak_y_0, c.stiffness_y_0, c.b_y_0, c.e_y_0 = c.peak_y, c.stiffness_y, c.b_y, c.e_y
+        c.e_y_sign_0, c.shift_y_0, c.offset_y_0 = c.e_y_sign, c.shift_y, c.offset_y
+    else:
+        (c.peak_y_0, c.stiffness_y_0, c.b_y_0, c.e_y_0, c.e_y_sign_0, c.shift_y_0, c.offset_y_0) = _lateral(
+            p, c, dpi, 0.0, friction
+        )
     _combined(p, c, c.peak_y)
     _aligning(p, c, dpi, camber_angle, friction)

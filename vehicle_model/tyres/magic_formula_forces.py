@@ -30,6 +30,8 @@ def _curve(b_x: float, shape: float, e: float) -> float:
 @njit(cache=True)
 def _weight(b_x: float, shape: float, e: float) -> float:
     """cos(C arctan(B x - E (B x - arctan(B x))))."""
+    if b_x == 0.0:
+        return 1.0
     return math.cos(shape * math.atan(b_x - e * (b_x - math.atan(b_x))))
 
 
@@ -92,6 +94,16 @@ def _lateral_weight(p: Record, c: Record, kappa: float, alpha: float, flat: bool
 
 
 @njit(cache=True)
+def lateral_force(p: Record, c: Record, kappa: float, alpha: float, angle: float) -> float:
+    """Side force under combined slip, 4.E58."""
+    by_kappa = 0.0
+    if c.kappa_side_force != 0.0:
+        peak = c.kappa_side_force / math.sqrt(1.0 + (p.RVY4 * alpha) ** 2)  # 4.E67: cos(arctan(x))
+        by_kappa = peak * math.sin(p.RVY5 * math.atan(p.RVY6 * kappa))  # 4.E66
+    return _side_force(p, c, alpha, angle, False) * _lateral_weight(p, c, kappa, alpha, False) + by_kappa
+
+
+@njit(cache=True)
 def plane_forces(p: Record, c: Record, kappa: float, alpha: float, angle: float) -> tuple[float, float]:
     """Longitudinal and side force under combined slip, 4.E50 and 4.E58.
 
@@ -103,11 +115,7 @@ def plane_forces(p: Record, c: Record, kappa: float, alpha: float, angle: float)
         alpha* of the version: tangent of the slip angle (6.x) or the angle itself (5.2); the angle.
     """
     force_x = pure_longitudinal(p, c, kappa) * _longitudinal_weight(p, c, kappa, alpha)
-    by_kappa = (
-        c.kappa_side_force / math.sqrt(1.0 + (p.RVY4 * alpha) ** 2) * math.sin(p.RVY5 * math.atan(p.RVY6 * kappa))
-    )
-    force_y = _side_force(p, c, alpha, angle, False) * _lateral_weight(p, c, kappa, alpha, False) + by_kappa  # 4.E66
-    return force_x, force_y
+    return force_x, lateral_force(p, c, kappa, alpha, angle)
 
 
 @njit(cache=True)

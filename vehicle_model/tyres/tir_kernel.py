@@ -13,8 +13,8 @@ from vehicle_model.tyres.magic_formula_coefficients import COEFFICIENT_RECORD, c
 from vehicle_model.tyres.magic_formula_forces import (
     aligning_moment,
     ellipse_forces,
+    lateral_force,
     longitudinal_force_and_slope,
-    plane_forces,
 )
 from vehicle_model.tyres.magic_formula_record import TIR_RECORD, VERSION_52
 
@@ -24,19 +24,22 @@ if TYRE_RECORD * 8 + TIR_RECORD.itemsize > TYRE_SIZE * 8:
 _SMALLEST_SHARE = 0.02
 """Travelling over rolling speed below which a spinning wheel's slip grows no further."""
 
+_SPEED_OF_BRISTLES = 10.0
+"""Speed [m/s] above which no bristles act, whatever the contact's limits (``Contact.none_above``)."""
+
 _LIGHTEST = 0.05
 """Load over nominal load below which the coefficients stay and forces fall in proportion to the load."""
 
 
 @njit(cache=True)
-def _slips(p_version: float, mirrored: float, slip_x: float, slip_y: float) -> tuple[float, float, float]:
+def _slips(version: float, mirrored: float, slip_x: float, slip_y: float) -> tuple[float, float, float]:
     """Slip ratio, alpha* and slip angle of the Magic Formula from the plant's slip vector."""
     if slip_x > 0.0:  # rolling is the faster: both slips refer to the travelling speed here
         share = max(1.0 - slip_x, _SMALLEST_SHARE)
         slip_x, slip_y = slip_x / share, slip_y / share
     tangent = slip_y if mirrored != 0.0 else -slip_y
-    angle = math.atan(tangent)
-    return slip_x, (angle if p_version == VERSION_52 else tangent), angle
+    angle = math.atan(tangent) if tangent != 0.0 else 0.0
+    return slip_x, (angle if version == VERSION_52 else tangent), angle
 
 
 @njit(cache=True)
@@ -56,6 +59,7 @@ def prepare_tir(
     row: NDArray[np.float64],
     friction: float,
     load: float,
+    speed: float,
     camber: float,
     header: NDArray[np.float64],
     kept: NDArray[np.float64],
@@ -68,8 +72,9 @@ def prepare_tir(
     coefficients(p, c, evaluated, -camber if row[TYRE_MIRRORED] != 0.0 else camber, p.INFLPRES, friction)
     c.share = load / evaluated
     header[0], header[1] = c.share * c.peak_x, c.share * c.peak_y
-    header[2] = _peak_slip(c.b_x, c.shape_x, min(c.e_x, 1.0))
-    header[3] = _peak_slip(c.b_y, c.shape_y, min(c.e_y, 1.0))
+    if speed < _SPEED_OF_BRISTLES:  # only the bristles ask where the peaks are
+        header[2] = _peak_slip(c.b_x, c.shape_x, min(c.e_x, 1.0))
+        header[3] = _peak_slip(c.b_y, c.shape_y, min(c.e_y, 1.0))
     header[4], header[5] = c.share * abs(c.stiffness_x), c.share * abs(c.stiffness_y)
 
 
@@ -90,16 +95,16 @@ def along_tir(row: NDArray[np.float64], kept: NDArray[np.float64], slip_x: float
 
 @njit(cache=True)
 def across_tir(
-    row: NDArray[np.float64], kept: NDArray[np.float64], slip_x: float, slip_y: float
+    row: NDArray[np.float64], kept: NDArray[np.float64], slip_x: float, slip_y: float, force_x: float
 ) -> tuple[float, float]:
     """Side force and aligning moment."""
     p = numba.carray(pointer(row.ctypes.data + 8 * TYRE_RECORD), 1, TIR_RECORD)[0]
     c = numba.carray(pointer(kept.ctypes.data), 1, COEFFICIENT_RECORD)[0]
     kappa, alpha, angle = _slips(p.VERSION, row[TYRE_MIRRORED], slip_x, slip_y)
     if row[TYRE_ELLIPSE] != 0.0:
-        force_x, force_y = ellipse_forces(p, c, kappa, alpha, angle)
+        _, force_y = ellipse_forces(p, c, kappa, alpha, angle)
     else:
-        force_x, force_y = plane_forces(p, c, kappa, alpha, angle)
-    moment = aligning_moment(p, c, kappa, alpha, angle, force_x, force_y)
+        force_y = lateral_force(p, c, kappa, alpha, angle)
+    moment = aligning_moment(p, c, kappa, alpha, angle, force_x / c.share, force_y)
     side = -c.share if row[TYRE_MIRRORED] != 0.0 else c.share
     return side * force_y, side * moment
