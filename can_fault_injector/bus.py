@@ -17,6 +17,7 @@ from can_fault_injector.node import BUS_OFF_LIMIT, PASSIVE_LIMIT
 QUEUE_SIZE = 1024
 _EVENT_ROWS, _RECEIVED_ROWS = 4096, 1024
 _NS_PER_S = 1e9
+WARNING_LIMIT = 96
 
 
 @dataclass(frozen=True)
@@ -99,6 +100,19 @@ class NodeView:
             return "bus_off"
         passive = max(self.transmit_errors, self.receive_errors) >= PASSIVE_LIMIT
         return "error_passive" if passive else "error_active"
+
+    @property
+    def warning(self) -> bool:
+        """Whether a counter reached the warning level (FC16)."""
+        return max(self.transmit_errors, self.receive_errors) >= WARNING_LIMIT
+
+    @property
+    def counter_steps(self) -> list[tuple[int, int, int]]:
+        """Bit, TEC and REC for every bit of the trace that changed one of them."""
+        trace = self._bus.trace
+        counters = np.stack([trace.transmit_errors, trace.receive_errors], axis=2)[:, self._index].astype(int)
+        changed = np.flatnonzero(np.any(np.diff(counters, axis=0), axis=1)) + 1
+        return [(int(bit), int(counters[bit, 0]), int(counters[bit, 1])) for bit in changed]
 
     @property
     def phase(self) -> str:
