@@ -144,6 +144,15 @@ class FrictionSettings(FileModel):
         description="while no wheel's speed tells its force, the rates of the friction limits die out with it",
         source="assumed",
     )
+    pitch_gradient: float = parameter(
+        "rad s^2/m",
+        0.0,
+        low=0.0,
+        high=0.05,
+        neutral=0.0,
+        description="nose-down pitch per deceleration; a pitched accelerometer feels a part of gravity",
+        source="assumed: a car that does not pitch, as in the document",
+    )
     wheel_speed_teeth: float | None = parameter(
         "1",
         None,

@@ -17,7 +17,7 @@ from estimators.friction_settings import (
 )
 from estimators.kalman.covariance import FloatArray
 from estimators.post_filter import LOW_PASS, MEDIAN, NO_FILTER, memory_size
-from estimators.vehicle_numbers import LongitudinalCar, longitudinal_car
+from estimators.vehicle_numbers import GRAVITY_M_S2, LongitudinalCar, longitudinal_car
 
 _REFERENCE_STEP_S = 1e-3
 _POST_FILTERS = {"none": NO_FILTER, "low_pass": LOW_PASS, "median": MEDIAN}
@@ -67,6 +67,7 @@ def friction_tuning(vehicle: Mapping[str, float], settings: FrictionSettings, sa
     values[step.POST_FILTER] = _POST_FILTERS[settings.post_filter]
     values[step.POST_FILTER_WEIGHT] = min(1.0, sample_time_s / settings.post_filter_time_constant)
     values[step.LOCKED_RATE_DECAY] = math.exp(-sample_time_s / settings.locked_rate_time_constant)
+    values[step.PITCH_FACTOR] = 1.0 / (1.0 + GRAVITY_M_S2 * settings.pitch_gradient)
     values[step.TEETH], values[step.WINDOW] = _tone_ring(vehicle, settings) if known else (0.0, 0.0)
     values[step.SUBSTEPS] = 1
     process = np.square(process_deviations(settings)) * (sample_time_s / _REFERENCE_STEP_S)

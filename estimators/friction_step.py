@@ -80,10 +80,11 @@ from estimators.wheel_speed_sensor import (
     POST_FILTER,
     POST_FILTER_WEIGHT,
     LOCKED_RATE_DECAY,
+    PITCH_FACTOR,
     TEETH,
     WINDOW,
     SUBSTEPS,
-) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 22)
+) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 23)
 PROCESS_VARIANCE = SUBSTEPS + 1
 MEASUREMENT_VARIANCE = PROCESS_VARIANCE + STATES
 INITIAL_VARIANCE = MEASUREMENT_VARIANCE + MEASUREMENTS
@@ -231,7 +232,8 @@ def build_measurement(
         Filled with ``ROW_USED``, ``ROW_MISSING`` or ``ROW_STALE``.
     """
     front, rear = axle_speeds(guard)
-    acceleration = guard[IN_ACCELERATION, VALUE]
+    # a nose that dips by c a under the deceleration a makes the accelerometer read a + g sin(c a)
+    acceleration = guard[IN_ACCELERATION, VALUE] * tuning[PITCH_FACTOR]
     measured[ROW_ACCELERATION] = acceleration
     measured[ROW_WHEEL_F], measured[ROW_WHEEL_R] = front, rear
     measured[ROW_SLIP_F], measured[ROW_SLIP_R] = 0.0, 0.0

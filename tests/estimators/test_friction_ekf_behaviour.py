@@ -161,6 +161,22 @@ def test_substeps_change_little_and_help_at_low_speed():
         assert np.abs(estimate["speed"][slow] - truth.speed[slow]).max() < 0.3
 
 
+def test_a_pitching_car_is_corrected_for():
+    """Nose down by c a, the accelerometer reads a (1 + g c); 3 degrees at 1 g is usual for a soft car."""
+    truth = stop("E8")
+    gradient = np.radians(3.0) / 9.81
+    pitching = twin.Run(**{**vars(truth), "acceleration": truth.acceleration * (1 + 9.81 * gradient)})
+    errors = {}
+    for assumed in (0.0, gradient):
+        columns = twin.measured(pitching)
+        estimator = estimators.create("friction_ekf", twin.TABLE_8, {"pitch_gradient": assumed})
+        speed = estimator.replay(columns)[:, names_of(estimator)["speed"]]
+        phase = truth.braking_phase()
+        errors[assumed] = float(np.sqrt(np.mean((speed[phase] - truth.speed[phase]) ** 2)))
+    assert errors[gradient] < 0.05
+    assert errors[0.0] > 3 * errors[gradient]
+
+
 @pytest.mark.acceptance("F-40")
 def test_same_inputs_give_the_same_bits():
     first, second = Estimate(run("E9"), path="bus"), Estimate(run("E9"), path="bus")
