@@ -89,14 +89,15 @@ def _run(arguments: list[str]) -> int:
         return _usage(error, wants_json)
     except typer.Exit as leave:
         return leave.exit_code
-    except KeyboardInterrupt as interrupt:
-        kept = f"; the recording is in {interrupt}" if str(interrupt) else ""
-        return _failed(f"interrupted{kept}", INTERRUPTED, wants_json)
+    except KeyboardInterrupt:
+        return _failed("interrupted", INTERRUPTED, wants_json)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Exception as error:
         return _failed(_unexpected(error), UNEXPECTED, wants_json)
+    if result == INTERRUPTED:  # typer has made this of a KeyboardInterrupt
+        return _failed("interrupted", INTERRUPTED, wants_json)
     return result if isinstance(result, int) else 0
 
 

@@ -6,6 +6,18 @@ from typing import Annotated, Any
 
 import typer
 
+from signals.errors import BenchError
+
+
+class Interrupted(BenchError):
+    """Ctrl-C during a run; ``folder`` holds what was recorded until then, if it had begun."""
+
+    exit_code = 130
+
+    def __init__(self, folder: str) -> None:
+        super().__init__(f"interrupted; the recording is in {folder}" if folder else "interrupted")
+
+
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON on standard output and nothing else there.")]
 SetOption = Annotated[
     list[str] | None,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from bench.commands.options import JsonOption, SetOption, finish, print_json
+from bench.commands.options import Interrupted, JsonOption, SetOption, finish, print_json
 
 if TYPE_CHECKING:
     from bench.api import Run
@@ -67,15 +67,19 @@ def run(
     }
     from bench.scenario.procedure import is_procedure
 
-    if is_procedure(scenario):
-        finish(_procedure(scenario, options, out, as_json))
-    elif variants:
-        finish(_variants(scenario, options, out, plain, as_json))
-    else:
-        result = _one(scenario, {**options, "variant": variant}, out, plain or as_json)
-        if as_json:
-            print_json({**result.verdict.as_json(), "folder": str(result.folder)})
-        finish(result.exit_code)
+    try:
+        if is_procedure(scenario):
+            code = _procedure(scenario, options, out, as_json)
+        elif variants:
+            code = _variants(scenario, options, out, plain, as_json)
+        else:
+            result = _one(scenario, {**options, "variant": variant}, out, plain or as_json)
+            if as_json:
+                print_json({**result.verdict.as_json(), "folder": str(result.folder)})
+            code = result.exit_code
+    except KeyboardInterrupt as interrupt:
+        raise Interrupted(str(interrupt)) from None
+    finish(code)
 
 
 def _one(scenario: str, options: dict[str, Any], out: Path | None, quiet: bool) -> "Run":

@@ -11,6 +11,7 @@ import typer
 
 from bench import cli
 from bench.cli import app, main
+from bench.commands.options import Interrupted
 from signals.errors import LinkError
 
 COMMANDS = sorted(info.name or "" for info in app.registered_commands)
@@ -65,7 +66,8 @@ def test_the_help_ends_with_the_exit_codes(capsys: pytest.CaptureFixture[str]) -
             4,
             "error: vcan0: no such interface\n  make",
         ),
-        (KeyboardInterrupt("runs/x"), 130, "interrupted; the recording is in runs/x"),
+        (Interrupted("runs/x"), 130, "interrupted; the recording is in runs/x"),
+        (KeyboardInterrupt(), 130, "interrupted\n"),
         (typer.Abort(), 130, "interrupted"),
         (
             ZeroDivisionError("division by zero"),
