@@ -107,10 +107,15 @@ class HydraulicUnit:
         InputError
             If there is no such parameter or the value is out of its range.
         """
-        self.get(path)
-        self._values[path] = _checked(path, value)
+        before = self.get(path)
+        checked = _checked(path, value)
+        if checked == before:
+            return
+        self._values[path] = checked
         fill_record(self._values, self._parameters)
-        self._state[0]["rearm"] = 1
+        if path.endswith("_time_constant"):
+            # the running segments go on from their pressures; no other parameter is part of a segment's course
+            self._state[0]["rearm"] = 1
 
     @property
     def wheel_pressure_pa(self) -> NDArray[np.float64]:
