@@ -1,0 +1,60 @@
+"""The traceability table is well formed and names tests that exist."""
+
+import ast
+import csv
+import sys
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def rows() -> list[dict[str, str]]:
+    with (ROOT / "docs" / "traceability.csv").open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+@cache
+def functions(path: Path) -> frozenset[str]:
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return frozenset(node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef))
+
+
+def test_every_requirement_of_the_friction_document_has_a_row():
+    """42 items of section 7 and 21 acceptance targets of 4.8."""
+    ids = {row["id"] for row in rows()}
+    assert {f"F-{number}" for number in range(1, 43)} <= ids
+    assert {f"F-A{number}" for number in range(1, 22)} <= ids
+
+
+def test_every_named_test_exists():
+    for row in rows():
+        assert row["source_line"]
+        assert row["verdict"] in ("pass", "fail", "skipped", "open")
+        assert (row["verdict"] == "open") == (row["test_node_id"] == "")
+        if row["test_node_id"]:
+            file, *_, name = row["test_node_id"].split("::")
+            assert name in functions(ROOT / file), row["test_node_id"]
+
+
+def test_a_row_is_written_per_requirement_and_test(pytestconfig: pytest.Config):
+    """Values of several cases become a range; rows of tests that did not run stay."""
+    plugin = pytestconfig.pluginmanager.get_plugin("traceability-writer")
+    merge = sys.modules[type(plugin).__module__].merge
+    before = [
+        {"id": "F-1", "source_line": "a:1", "test_node_id": "", "measured": "", "limit": "", "verdict": "open"},
+        {"id": "F-2", "source_line": "a:2", "test_node_id": "t::x", "measured": "", "limit": "", "verdict": "pass"},
+    ]
+    results = {
+        ("F-1", "t::y"): {"outcomes": {"passed", "failed"}, "measured": {"k": [2.0, 1.0]}, "limit": ["k: 3"]},
+        ("F-2", "t::z"): {"outcomes": {"passed"}, "measured": {"k": [1.0]}, "limit": ["k: 3"]},
+    }
+    after = merge(before, results)
+    assert [(row["id"], row["test_node_id"], row["verdict"]) for row in after] == [
+        ("F-1", "t::y", "fail"),
+        ("F-2", "t::x", "pass"),
+        ("F-2", "t::z", "pass"),
+    ]
+    assert after[0]["measured"] == "k = 1 ... 2 (2 cases)"
