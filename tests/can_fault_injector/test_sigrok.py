@@ -122,8 +122,6 @@ def random_frames(kind: str) -> list[Frame]:
         # zeros and ones only are what stuffing is about
         zeros, ones = bytes(length), b"\xff" * length
         data = (generator.bytes(length), generator.bytes(length), zeros, ones)[generator.integers(4)]
-            generator.integers(4)
-        ]
         code = {"remote": generator.integers(9), "long_length_code": generator.integers(9, 16)}.get(kind)
         frames.append(
             Frame(
