@@ -23,7 +23,8 @@ class Terminal:
             pytest.skip(f"no tmux here: {INSTALL}")
         self._tmux = ["tmux", "-S", str(socket), "-f", "/dev/null"]
         variables = [f"{name}={value}" for name, value in environment.items()]
-        line = shlex.join(["env", *variables, *command])
+        # parallel test runners state a size of their own; the terminal's counts
+        line = shlex.join(["env", "-u", "COLUMNS", "-u", "LINES", *variables, *command])
         subprocess.run(
             [*self._tmux, "new-session", "-d", "-x", str(width), "-y", str(height), f"{line}; sleep 60"],
             check=True,
