@@ -1,11 +1,11 @@
 """The car and its road: files, parameters, plants, tyres, powertrain, driver and sensors.
 
-    from vehicle_model import Plant, load_road, load_vehicle
+from vehicle_model import Plant, load_road, load_vehicle
 
-    car = Plant(load_vehicle("ekf_car"), load_road("dry"))
-    car.reset(speed_m_s=25.0)
-    car.step(1000, brake_torque=1500.0)
-    car.state()["speed"]
+car = Plant(load_vehicle("ekf_car"), load_road("dry"))
+car.reset(speed_m_s=25.0)
+car.step(1000, brake_torque=1500.0)
+car.state()["speed"]
 """
 
 from importlib import import_module
