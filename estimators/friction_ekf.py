@@ -1,7 +1,8 @@
 """Extended Kalman filter for the friction between tyre and road (Enisz 2015, chapter on stage 2).
 
 Nine states, eight measurement rows; friction document, section 3.6. The model is in :mod:`estimators.friction_model`,
-its Jacobians in :mod:`estimators.friction_jacobians`, start, reset and outputs in :mod:`estimators.friction_step`.
+its Jacobians in :mod:`estimators.friction_jacobians`, start and reset in :mod:`estimators.friction_step`, outputs in
+:mod:`estimators.friction_results`.
 """
 
 from collections.abc import Mapping
@@ -22,6 +23,7 @@ from estimators.friction_jacobians import (
     share_limit_noise,
 )
 from estimators.friction_model import AXLES, SPEED, STATES, STOPPED_F, STOPPED_R, WHEEL_F, WHEEL_R
+from estimators.friction_results import write_outputs
 from estimators.friction_settings import FrictionEkfSettings, friction_inputs
 from estimators.friction_setup import friction_tuning, post_filter_delay, post_filter_memory
 from estimators.friction_step import (
@@ -40,7 +42,6 @@ from estimators.friction_step import (
     guard_limits,
     read_torques,
     stop,
-    write_outputs,
 )
 from estimators.inputs import input_guard
 from estimators.interface import Estimator

@@ -44,6 +44,7 @@ from estimators.friction_model import (
     slip_ratio,
     wheel_acceleration,
 )
+from estimators.friction_results import write_outputs
 from estimators.friction_settings import FrictionUkfSettings, friction_inputs
 from estimators.friction_setup import friction_tuning, post_filter_delay, post_filter_memory
 from estimators.friction_step import (
@@ -60,7 +61,6 @@ from estimators.friction_step import (
     guard_limits,
     read_torques,
     stop,
-    write_outputs,
 )
 from estimators.inputs import input_guard
 from estimators.interface import Estimator
