@@ -42,6 +42,8 @@ def make_pacer(scenario: ScenarioFile, ticks: int) -> Pacer:
 
 def run_in_memory(scenario: ScenarioFile, *, keep_frames: bool = True) -> Run:
     """Run without files; an error is raised instead of becoming a verdict."""
+    if scenario.pacing == "realtime" or scenario.ecu.kind == "emulated":
+        warm_up(scenario, lambda text: None)  # neither a clock nor a process that waits has time for compiling
     parts = build_parts(scenario)
     recorder = MemoryRecorder(parts.ticks, len(parts.vector.names), keep_frames)
     connection = connect(scenario, parts.codec, plan_cores())
@@ -50,7 +52,12 @@ def run_in_memory(scenario: ScenarioFile, *, keep_frames: bool = True) -> Run:
     realtime = scenario.pacing == "realtime"
     try:
         session = Session(parts, connection)
-        with real_time_process(plan_cores()) if realtime else nullcontext(SchedulingReport()) as scheduling:
+        cores = plan_cores()
+        with (
+            real_time_process(cores, fifo=not cores.shared)
+            if realtime
+            else nullcontext(SchedulingReport()) as scheduling
+        ):
             session.run(recorder, pacer)
     finally:
         connection.close()
@@ -194,7 +201,8 @@ class _RecordedRun:
         began = time.perf_counter()
         try:
             with (
-                real_time_process(self._cores, fifo=self._fifo)
+                # on the only core a loop that is late would never let its helpers and the ECU run
+                real_time_process(self._cores, fifo=self._fifo and not self._cores.shared)
                 if realtime
                 else nullcontext(SchedulingReport()) as report
             ):

@@ -54,16 +54,19 @@ class SchedulingReport:
     remarks: list[str] = field(default_factory=list)
 
 
-def _try_fifo(report: SchedulingReport, allowed: bool) -> None:
+def _try_fifo(report: SchedulingReport, wanted: bool) -> None:
     try:
-        if not allowed:
+        if not wanted:
             raise PermissionError
         os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(FIFO_PRIORITY))
         report.scheduler = f"fifo {FIFO_PRIORITY}"
     except PermissionError:
         if _libc.prctl(PR_SET_TIMERSLACK, 1, 0, 0, 0) == 0:
             report.timer_slack_ns = 1
-        report.remarks.append("SCHED_FIFO not allowed, timer slack 1 ns instead: bench doctor names the missing right")
+        if wanted:
+            report.remarks.append(
+                "SCHED_FIFO not allowed, timer slack 1 ns instead: bench doctor names the missing right"
+            )
 
 
 def _try_lock_memory(report: SchedulingReport) -> None:
