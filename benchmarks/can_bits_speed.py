@@ -1,10 +1,12 @@
 """Speed of the CAN bit model: sweeps of disturbed bits, random frames to bits and back, bus bits per second.
 
 ``python -m benchmarks.can_bits_speed [--json] [--frames N]``; the figures are medians of repeated runs on one core.
+``--pairs N`` measures instead how many pairs of flipped bits escape in N random frames of 1, 2, 4 and 8 bytes.
 """
 
 import argparse
 import json
+import math
 import random
 import statistics
 import time
@@ -98,6 +100,28 @@ def bus_bits_per_second() -> float:
     return _BUS_BITS / seconds(run, 3)
 
 
+def wilson_interval(hits: int, trials: int, z: float = 1.96) -> tuple[float, float]:
+    """Interval of a rate at 95 % (Wilson 1927)."""
+    rate = hits / trials
+    centre = rate + z * z / (2 * trials)
+    width = z * math.sqrt(rate * (1 - rate) / trials + z * z / (4 * trials * trials))
+    scale = 1 + z * z / trials
+    return (centre - width) / scale, (centre + width) / scale
+
+
+def print_escape_rates(frames: int) -> None:
+    """Rate at which a receiver accepts a frame with two flipped bits with other content, by payload length."""
+    generator = random.Random(1)
+    for length in (1, 2, 4, 8):
+        pairs = escapes = 0
+        for _ in range(frames):
+            tried, found = flip_pair_escapes(Frame(generator.randrange(0x800), generator.randbytes(length)))
+            pairs += tried
+            escapes += len(found)
+        low, high = wilson_interval(escapes, pairs)
+        print(f"{length} bytes: {escapes} of {pairs} pairs, {escapes / pairs:.2e} [{low:.1e}, {high:.1e}]")
+
+
 def figures(frames: int) -> dict[str, float]:
     """All figures by name, times in seconds."""
     frame = Frame(0x123, bytes(range(8)))
@@ -121,7 +145,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--frames", type=int, default=1_000_000)
+    parser.add_argument("--pairs", type=int, default=0, metavar="N")
     arguments = parser.parse_args()
+    if arguments.pairs:
+        print_escape_rates(arguments.pairs)
+        return
     result = figures(arguments.frames)
     if arguments.json:
         print(json.dumps(result))

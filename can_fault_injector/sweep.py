@@ -76,6 +76,13 @@ def _flip_pairs(bits: Bits, iso: bool, escapes: Counts) -> tuple[int, int]:
     return pairs, found
 
 
+def _on_the_bus(frame: Frame) -> Bits:
+    """Levels of an acknowledged frame; a recessive slot would let a reading that is one bit short look complete."""
+    bits, codes, _ = frame.encoded()
+    bits[codes == f.ACK_SLOT] = 0
+    return bits
+
+
 def single_bit_outcomes(frame: Frame) -> NDArray[np.uint8]:
     """What a receiver makes of the frame with each bit flipped, forced dominant, forced recessive.
 
@@ -84,7 +91,7 @@ def single_bit_outcomes(frame: Frame) -> NDArray[np.uint8]:
     uint8 array (bits, 3)
         REJECTED, SAME or ESCAPED (accepted with other content).
     """
-    bits = frame.bits()
+    bits = _on_the_bus(frame)
     outcomes = np.zeros((bits.size, ACTIONS), np.uint8)
     _single_bits(bits, frame.iso, outcomes)
     return outcomes
@@ -93,7 +100,7 @@ def single_bit_outcomes(frame: Frame) -> NDArray[np.uint8]:
 def flip_pair_escapes(frame: Frame) -> tuple[int, list[tuple[int, int]]]:
     """Number of pairs of flipped bits of a frame, and the pairs that a receiver accepts with other content."""
     escapes = np.zeros((256, 2), np.int64)
-    pairs, found = _flip_pairs(frame.bits(), frame.iso, escapes)
+    pairs, found = _flip_pairs(_on_the_bus(frame), frame.iso, escapes)
     return int(pairs), [(int(i), int(j)) for i, j in escapes[:found]]
 
 
