@@ -34,6 +34,7 @@ def test_output_is_the_block_of_the_catalogue() -> None:
     assert block[10] == "brake_torque_capacity_fl"
 
 
+@pytest.mark.acceptance("F-7")
 def test_torque_is_eq_78_and_13_newton_metres_per_bar_in_front() -> None:
     out = run(HydraulicUnit(BRAKES), 100.0, (0.0, 0.0), 0.0, 2000)
     assert out[10] == pytest.approx(2 * 1.425e-3 * 0.38 * 0.12 * out[1])
@@ -41,6 +42,7 @@ def test_torque_is_eq_78_and_13_newton_metres_per_bar_in_front() -> None:
     assert out[12] == pytest.approx(650.0, rel=1e-3)
 
 
+@pytest.mark.acceptance("F-8")
 def test_esp_logic_builds_up_to_the_pump_pressure_with_the_pedal_released() -> None:
     unit = HydraulicUnit({**BRAKES, "hydraulics.pump_pressure": 80 * BAR}, selection_logic="esp")
     assert run(unit, 0.0, (0.0, 0.0), 1.0, 500)[1] == 0.0
@@ -60,6 +62,7 @@ def test_abs_logic_has_no_active_build_up() -> None:
     assert run(unit, 0.0, (0.0, 0.0), 1.0, 200)[1] == 0.0
 
 
+@pytest.mark.acceptance("F-8")
 def test_own_logic_can_be_given_as_a_table() -> None:
     table = abs_logic().table.copy()
     table[0, 1] = (2, 2)  # a unit that releases with the outlet alone
@@ -134,6 +137,7 @@ def analytic_ramp(time_s: float, rate: float, delay_s: float, time_constant_s: f
     return rate * (since - time_constant_s * (1.0 - np.exp(-since / time_constant_s))) if since > 0 else 0.0
 
 
+@pytest.mark.acceptance("F-7")
 @pytest.mark.parametrize("delay_s", [0.0, 0.005, 0.0123])
 def test_first_order_brake_follows_the_closed_form_of_eq_79(delay_s: float) -> None:
     unit = HydraulicUnit({**BRAKES, "brakes.hydraulic_delay": delay_s}, brake="first_order")
@@ -154,6 +158,7 @@ def test_first_order_brake_is_modulated_by_the_valves() -> None:
     assert run(unit, 0.0, (1.0, 0.0), 1.0, 300)[1] < 1e-3 * BAR
 
 
+@pytest.mark.acceptance("F-8")
 @pytest.mark.parametrize(
     ("fault", "value", "valves", "state"),
     [

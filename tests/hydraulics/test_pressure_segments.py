@@ -37,6 +37,7 @@ class Rig:
         return float(self.out[1]) / BAR
 
 
+@pytest.mark.acceptance("F-8", "F-A20")
 def test_increase_is_the_exponential_of_eq_106() -> None:
     rig = Rig()
     for n in range(1, 200):
@@ -51,6 +52,7 @@ def test_decrease_with_running_pump_approaches_zero_with_its_own_time_constant()
         assert rig.step(100.0, DECREASE) == pytest.approx(start * np.exp(-n * STEP_S / 0.03), rel=1e-9)
 
 
+@pytest.mark.acceptance("F-8", "F-A20")
 def test_hold_stays_within_one_step_of_the_preceding_segment() -> None:
     rig = Rig()
     entry = rig.step(100.0, INCREASE, steps=30)
@@ -59,6 +61,7 @@ def test_hold_stays_within_one_step_of_the_preceding_segment() -> None:
         assert 0.0 <= rig.step(100.0, HOLD) - entry <= one_step + 1e-9
 
 
+@pytest.mark.acceptance("F-8", "F-A20")
 @pytest.mark.parametrize("following", [INCREASE, HOLD, DECREASE])
 @pytest.mark.parametrize("preceding", [INCREASE, DECREASE])
 def test_pressure_at_an_event_moves_by_one_step_of_the_new_exponential(
@@ -77,6 +80,7 @@ def test_pressure_at_an_event_moves_by_one_step_of_the_new_exponential(
             assert after == pytest.approx(target - (target - before) * np.exp(-STEP_S / time_constant), abs=1e-9)
 
 
+@pytest.mark.acceptance("F-9", "F-A20")
 def test_driver_ramp_of_400_bar_per_second_lags_by_threshold_and_time_constant() -> None:
     rig = Rig()
     rate_bar_s, largest = 400.0, 0.0
@@ -105,6 +109,7 @@ def test_rearming_near_the_target_narrows_the_lag_of_a_slow_ramp() -> None:
     assert worst(1.0) < 0.3  # r tau = 0.25 bar
 
 
+@pytest.mark.acceptance("F-9")
 def test_literal_and_form_of_the_event_cannot_hold() -> None:
     rig = Rig(parameters={"hydraulics.literal_event": 1.0})
     entry = rig.step(100.0, INCREASE, steps=30)
@@ -116,6 +121,7 @@ def test_literal_and_form_of_the_event_cannot_hold() -> None:
     assert correct.step(100.0, HOLD, steps=200) < 50.0
 
 
+@pytest.mark.acceptance("F-9")
 def test_literal_and_form_does_not_follow_a_ramp() -> None:
     rig = Rig(parameters={"hydraulics.literal_event": 1.0})
     for n in range(300):
@@ -146,6 +152,7 @@ def test_changing_a_time_constant_on_line_makes_no_jump() -> None:
     assert after == pytest.approx(100.0 - (100.0 - before) * np.exp(-STEP_S / 0.5), abs=1e-9)
 
 
+@pytest.mark.acceptance("F-A20", "F-40")
 def test_same_inputs_give_the_same_bits() -> None:
     def trace() -> bytes:
         generator = np.random.default_rng(5)
@@ -160,6 +167,7 @@ def test_same_inputs_give_the_same_bits() -> None:
     assert trace() == trace()
 
 
+@pytest.mark.acceptance("F-8", "F-A20")
 def test_wheels_are_independent() -> None:
     unit, out = HydraulicUnit(BRAKES), np.zeros(14)
     inlet, outlet = np.array([0.0, 1.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0, 0.0])

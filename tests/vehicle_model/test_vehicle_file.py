@@ -62,6 +62,7 @@ def test_the_yaw_inertia_as_printed_is_selectable(tmp_path: Path) -> None:
     assert load_vehicle(file).body.yaw_inertia == pytest.approx(0.1269 * 1296.0 * 2.57**2)
 
 
+@pytest.mark.acceptance("F-41")
 @pytest.mark.parametrize("name", ["ekf_car", "baseline_car", "asphalt_car"])
 def test_every_number_of_a_shipped_car_has_a_source(name: str) -> None:
     assert set(vehicle_names()) >= {name}

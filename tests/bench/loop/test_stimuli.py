@@ -43,6 +43,7 @@ def run(stimuli: Stimuli, vector: SignalVector, ticks: int, each: Callable[[int]
         each(n)
 
 
+@pytest.mark.acceptance("F-38")
 def test_a_parameter_changes_for_its_duration_and_gets_its_value_back() -> None:
     vector, owner = SignalVector(), Owner()
     stimulus = Stimulus("fade", "brakes.front.pad_friction", at(vector, 0.010), lambda b: waveforms.step(0.2), 0.005)

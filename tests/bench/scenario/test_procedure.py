@@ -81,6 +81,7 @@ def procedure(**changes: Any) -> ProcedureFile:
     return ProcedureFile.model_validate({**data, **changes})
 
 
+@pytest.mark.acceptance("F-38")
 def test_a_criterion_over_runs_is_judged_with_its_margin() -> None:
     result = judge_procedure(procedure(), {"abs": [verdict(40.0), verdict(41.0)]})
     assert (result.verdict, result.criteria[0].value) == ("pass", 40.5)
@@ -118,6 +119,7 @@ def test_per_wheel_metrics_and_criteria_are_quantities() -> None:
     assert [criterion.value for criterion in result.criteria] == [0.2, 1.5]
 
 
+@pytest.mark.acceptance("F-38")
 def test_shipped_procedures_are_recognised_and_checked() -> None:
     assert is_procedure("stops/abs_against_locked")
     assert not is_procedure("stops/dry")

@@ -23,6 +23,7 @@ def frames_of(run: bench.Run) -> list[tuple[int, int, int, int, bytes]]:
     return [(*(int(f[name]) for name in numbers), payload(f)) for f in run.frames]
 
 
+@pytest.mark.acceptance("F-40")
 def test_the_same_seed_twice(in_process: bench.Run, short_stop: Callable[..., ScenarioFile]) -> None:
     again = bench.run(short_stop(), record=False)
     assert again.data.digest() == in_process.data.digest()
@@ -33,6 +34,7 @@ def test_another_seed_differs(in_process: bench.Run, short_stop: Callable[..., S
     assert bench.run(short_stop(seed=2), record=False).data.digest() != in_process.data.digest()
 
 
+@pytest.mark.acceptance("F-39", "F-40")
 def test_another_process_behind_a_link(
     udp_link: str, in_process: bench.Run, short_stop: Callable[..., ScenarioFile]
 ) -> None:
@@ -56,6 +58,7 @@ def test_a_recorded_run(in_process: bench.Run, short_stop: Callable[..., Scenari
     ]
 
 
+@pytest.mark.acceptance("F-39")
 def test_valves_of_e8_in_process_and_in_another_process() -> None:
     """In-process and separate-process lock-step runs of E8 give identical valve sequences."""
     runs = [
