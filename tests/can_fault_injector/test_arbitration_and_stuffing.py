@@ -339,3 +339,24 @@ def test_every_frame_arrives_in_spite_of_a_disturbed_bit(sent: list[Frame], bit:
     received = bus.nodes["b"].received
     without_one = [received[:i] + received[i + 1 :] for i in range(1, len(received)) if received[i] == received[i - 1]]
     assert received == sent or sent in without_one
+
+
+@pytest.mark.parametrize("count_change", [0, 0b0110])
+def test_fd03_wrong_stuff_bit_count_with_a_fitting_crc_is_a_crc_error(count_change: int) -> None:
+    """The count is compared with the stuff bits seen, not only covered by the CRC; 0b0110 keeps its parity."""
+    frame = Frame(0x123, b"\x00\x42", fd=True)
+    bits = [int(bit) for bit in frame.bits()]
+    start = list(frame.bit_names()).index("fixed_stuff.0")
+    count = [bits[start + 1 + i] ^ (count_change >> (3 - i) & 1) for i in range(4)]
+    register = 1 << 16
+    for bit in [*bits[:start], *count]:
+        register = ((register << 1) ^ (0x1685B if (register >> 16) ^ bit else 0)) & 0x1FFFF
+    sequence = [*count, *[(register >> (16 - i)) & 1 for i in range(17)]]
+    levels = bits[:start]
+    for i, bit in enumerate(sequence):
+        if i % 4 == 0:
+            levels.append(1 - levels[-1])
+        levels.append(bit)
+    bus = receiver([*levels, *[1] * 10])
+    assert bus.nodes["node"].received == ([] if count_change else [frame])
+    assert bus.nodes["node"].errors == (["crc"] if count_change else [])
