@@ -391,3 +391,36 @@ def test_be01_every_other_mismatch_of_a_sender_is_an_error(name: str) -> None:
     else:
         first = next(event for event in bus.events if event.node == "sender" and event.kind == "error")
         assert (first.bit, first.error) == (NAMES.index(name), "form" if name == "crc_del.0" else "bit")
+
+
+def test_bus_off_attack_on_one_identifier() -> None:
+    """Bit errors in one identifier only: 32 errors of eight make its sender bus-off (Cho and Shin 2016).
+
+    The attacked node is passive after 16; a frame of a third node goes through meanwhile.
+    """
+    victim, other = Frame(0x120, b"\x55"), Frame(0x130, b"\x0f")
+    bus = Bus([Node("victim", recovers=False), "other", "receiver"])
+    bus.send("victim", victim)
+    bus.send("other", other)
+    bus.disturb(Disturbance("flip", "data.0", identifier=0x120, repeat=-1))
+    bus.run(5000)
+    assert bus.nodes["victim"].state == "bus_off"
+    assert [step[1] for step in bus.nodes["victim"].counter_steps] == [8 * i for i in range(1, 33)]
+    assert bus.nodes["receiver"].received == [other]
+    assert bus.nodes["other"].transmit_errors == 0
+
+
+@pytest.mark.parametrize("place", ["id.4", "dlc.0", "data.3", "data.12", "crc.3"])
+def test_ef03_flags_of_real_nodes_superpose_to_6_to_12_bits(place: str) -> None:
+    """One receiver sees an error first, the others at the latest by the sixth bit of its flag."""
+    bus = Bus(["sender", "receiver", "other"])
+    bus.send("sender", FRAME)
+    bus.disturb(Disturbance("flip", place, tap="receive", node="receiver"))
+    bus.run(600, until_idle=True)
+    first = next(event.bit for event in bus.events if event.kind == "error")
+    last_dominant = first + int(np.flatnonzero(bus.trace.bus[first + 1 :] == 1)[0])
+    repeated = started(bus, "sender")[1]
+    assert 6 <= last_dominant - first <= 12
+    # eight recessive bits of delimiter and three of intermission
+    assert repeated - last_dominant == 8 + 3 + 1
+    assert bus.nodes["receiver"].received == bus.nodes["other"].received == [FRAME]
