@@ -1,6 +1,7 @@
 """Helper processes of a run: recorder, dashboard, emulated ECU. Started on the helper cores, ended with the run."""
 
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -53,6 +54,11 @@ def on_helper_cores(plan: CorePlan) -> Iterator[None]:
         os.sched_setaffinity(0, before)
 
 
+def _leave_interrupts_to_the_run() -> None:
+    """Ctrl-C goes to every process of the terminal; only the one that owns the run acts on it, and ends the others."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
 def start_module(
     role: str, module: str, arguments: Sequence[str], *, log: IO[bytes] | None = None, terminal: bool = False
 ) -> Child:
@@ -75,5 +81,7 @@ def start_module(
         stdout=output,
         stderr=None if terminal or log is None else log,
         env=environment,
+        # before the program starts: Python lets an ignored signal be, so there is no instant without it
+        preexec_fn=_leave_interrupts_to_the_run,
     )
     return Child(role, process)
