@@ -108,6 +108,10 @@ The source's four distances do not follow one friction law: v²/2s over µ g is 
 (dry), 1.0 (wet) and 0.9. One car with one ECU is therefore short on the first and long on the last. The driver
 presses 180 bar at 1000 bar/s: "as fast and fully as possible" (4.5, rule 7), with the brake assist of that car; the
 rate is assumed. `distance_from_brake_start` is the same stop from the first touch of the pedal.
+
+Two numbers of the emulated ECU's calibration for this car (`underbraking_interval` and `prediction` of
+`bench/ecu/calibrations/asphalt_car.yaml`) were chosen among some sixteen variants on these four stops: the rows show
+that car and bench can reproduce the source, they do not predict it. No number of car, tyre or road was chosen so.
 """
 
 
