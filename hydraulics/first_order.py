@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from hydraulics.parameters import DECREASE, HOLD, LONGEST_DELAY_STEPS, STEP_S
-from hydraulics.pressure import low_pressure, run_pump, wheel_mode, write_outputs
-from hydraulics.valves import remember_inputs, take_up
+from hydraulics.pressure import line_pressure, low_pressure, run_pump, softened, wheel_mode, write_outputs
+from hydraulics.record import DECREASE, HOLD, INCREASE, LONGEST_DELAY_STEPS, STEP_S
+from hydraulics.valves import flow_factor, leak, remember_inputs, take_up
 
 
 @njit(cache=True)
@@ -31,7 +31,14 @@ def _approach(pressure: float, goal_before: float, goal: float, time_constant: f
 
 @njit(cache=True)
 def first_order_step(
-    parameter_record: Any, state_record: Any, inlet: Any, outlet: Any, out: Any, master_pressure: float, pump_on: float
+    parameter_record: Any,
+    state_record: Any,
+    inlet: Any,
+    outlet: Any,
+    wheel_speed: Any,
+    out: Any,
+    master_pressure: float,
+    pump_on: float,
 ) -> None:
     """One step of the brake tau_b dp/dt + p = p_0 (Enisz 2015, eq. 79); arguments as in ``pressure.hcu_step``.
 
@@ -42,15 +49,19 @@ def first_order_step(
     remember_inputs(state, inlet, outlet, master_pressure)
     pump = run_pump(parameters, state, pump_on)
     before, supply = state.delayed_supply, _delayed_master(parameters, state)
-    time_constant = parameters.first_order_time_constant
     for wheel in range(4):
         mode = wheel_mode(parameters, state, wheel, pump, out)
         pressure = state.pressure[wheel]
+        low = low_pressure(parameters, state, wheel, pump)
+        line = line_pressure(parameters, wheel, supply)
         if mode == DECREASE:
-            low = low_pressure(parameters, state, wheel, pump)
-            pressure = take_up(parameters, state, wheel, _approach(pressure, low, low, time_constant))
-        elif mode != HOLD or supply < pressure:
-            pressure = _approach(pressure, before, supply, time_constant)
-        state.pressure[wheel] = max(pressure, 0.0)
+            time_constant = parameters.first_order_time_constant * flow_factor(parameters, wheel, mode)
+            wanted = softened(parameters, state, wheel, _approach(pressure, low, low, time_constant))
+            pressure = take_up(parameters, state, wheel, wanted)
+        elif mode != HOLD or line < pressure:
+            time_constant = parameters.first_order_time_constant * flow_factor(parameters, wheel, INCREASE)
+            wanted = _approach(pressure, line_pressure(parameters, wheel, before), line, time_constant)
+            pressure = softened(parameters, state, wheel, wanted)
+        state.pressure[wheel] = max(leak(parameters, state, wheel, pressure, line, low), 0.0)
     state.delayed_supply = supply
-    write_outputs(parameters, state, master_pressure, out)
+    write_outputs(parameters, state, master_pressure, wheel_speed, out)

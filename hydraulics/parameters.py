@@ -1,41 +1,11 @@
-"""Parameters of the hydraulic unit: dotted path, unit, default, range, and the record that the compiled model reads."""
+"""Parameters of the hydraulic unit and the wheel brakes: dotted path, unit, default, range.
 
-from collections.abc import Mapping
+``vehicle_model.brakes_file`` declares the same for vehicle files.
+"""
+
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from signals.wheels import WHEELS
-
-INCREASE, HOLD, DECREASE, INVALID = range(4)
-
-STEP_S = 0.001
-LONGEST_DELAY_STEPS = 128
-
-PARAMETER_RECORD = np.dtype(
-    [
-        ("time_constant", "f8", (3,)),
-        ("threshold", "f8"),
-        ("accumulator_pressure", "f8"),
-        ("accumulator_volume", "f8"),
-        ("pump_flow", "f8"),
-        ("pump_pressure", "f8"),
-        ("active_build_up", "f8"),
-        ("rearm_near_target", "f8"),
-        ("literal_event", "f8"),
-        ("pump_failure", "f8"),
-        ("first_order_time_constant", "f8"),
-        ("delay", "f8"),
-        ("caliper_stiffness", "f8", (4,)),
-        ("torque_per_pressure", "f8", (4,)),
-        ("inlet_stuck", "f8", (4,)),
-        ("outlet_stuck", "f8", (4,)),
-        ("inlet_delay", "i8", (4,)),
-        ("outlet_delay", "i8", (4,)),
-        ("logic", "i8", (32,)),
-    ]
-)
 
 
 @dataclass(frozen=True)
@@ -67,19 +37,36 @@ def _hydraulics(name: str, unit: str, default: float, low: float, high: float, t
     return Parameter(f"hydraulics.{name}", unit, default, low, high, text, source)
 
 
-def _per_wheel(name: str, unit: str, high: float, text: str) -> list[Parameter]:
-    return [_hydraulics(f"{name}_{w}", unit, 0.0, 0.0, high, f"{text}, {w}", "neutral") for w in WHEELS]
+def _per_wheel(
+    name: str, unit: str, high: float, text: str, *, section: str = "hydraulics", low: float = 0.0, neutral: float = 0.0
+) -> list[Parameter]:
+    return [Parameter(f"{section}.{name}_{w}", unit, neutral, low, high, f"{text}, {w}", "neutral") for w in WHEELS]
 
 
 def _brake(axle: str) -> list[Parameter]:
-    path = f"brakes.{axle}"
+    def row(name: str, unit: str, default: float | None, low: float, high: float, text: str, source: str) -> Parameter:
+        return Parameter(f"brakes.{axle}.{name}", unit, default, low, high, text, source)
+
+    start = "disc temperature at which fade begins"
     return [
-        Parameter(f"{path}.pad_area", "m^2", None, 1e-5, 0.1, "effective area of one pad", "vehicle file"),
-        Parameter(f"{path}.pad_friction", "1", None, 0.0, 2.0, "friction of pad on disc", "vehicle file"),
-        Parameter(f"{path}.effective_radius", "m", None, 0.01, 1.0, "radius at which the pads act", "vehicle file"),
+        row("pad_area", "m^2", None, 1e-5, 0.1, "effective area of one pad", "vehicle file"),
+        row("pad_friction", "1", None, 0.0, 2.0, "friction of pad on disc", "vehicle file"),
+        row("effective_radius", "m", None, 0.01, 1.0, "radius at which the pads act", "vehicle file"),
+        row("fade", "1/degC", 0.0, 0.0, 0.02, "friction lost per degree above fade_temperature", "neutral"),
+        row("fade_temperature", "degC", 300.0, 0.0, 1000.0, start, _USUAL),
+        row("fade_floor", "1", 0.2, 0.0, 1.0, "share of the friction that fade leaves at least", _USUAL),
+        row("disc_heat_capacity", "J/degC", 4000.0, 100.0, 1e5, "of disc or drum", _USUAL),
+        row("disc_heat_share", "1", 0.9, 0.0, 1.0, "of the heat that goes into the disc", _USUAL),
+        row("disc_cooling", "W/degC", 8.0, 0.0, 1e3, "heat to the air at rest", _USUAL),
+        row("disc_cooling_per_speed", "W s/rad/degC", 0.5, 0.0, 100.0, "more heat per speed of the wheel", _USUAL),
+        row("disc_start_temperature", "degC", 20.0, -40.0, 1000.0, "at the start of the run", _USUAL),
+        row("pad_speed_exponent", "1", 0.0, -0.5, 0.5, "power of rubbing speed / 10 m/s", "neutral"),
+        row("pad_pressure_exponent", "1", 1.0, 0.5, 1.5, "power of pressure / 30 bar", "neutral"),
+        row("threshold_pressure", "Pa", 0.0, 0.0, 1e6, "pressure that only moves the pads", "neutral"),
     ]
 
 
+_USUAL = "assumed: usual for a passenger car"
 _SPEC = "friction document 2.6.4"
 _STUCK = "valve fault: 0 none, 1 stuck open, 2 stuck closed"
 
@@ -134,42 +121,25 @@ PARAMETERS: tuple[Parameter, ...] = (
     *_per_wheel("outlet_stuck", "1", 2.0, f"outlet {_STUCK}"),
     *_per_wheel("inlet_delay", "s", 0.1, "dead time of the inlet valve"),
     *_per_wheel("outlet_delay", "s", 0.1, "dead time of the outlet valve"),
+    *_per_wheel("inlet_conductance", "1", 10.0, "flow of the inlet valve over its healthy one", low=0.01, neutral=1.0),
+    *_per_wheel(
+        "outlet_conductance", "1", 10.0, "flow of the outlet valve over its healthy one", low=0.01, neutral=1.0
+    ),
+    *_per_wheel("inlet_leak", "m^3/s/Pa", 1e-11, "flow past the closed inlet valve per pressure"),
+    *_per_wheel("outlet_leak", "m^3/s/Pa", 1e-11, "flow past the closed outlet valve per pressure"),
+    *_per_wheel("brake_leak", "m^3/s/Pa", 1e-11, "flow out of the wheel brake per pressure"),
+    *_per_wheel("air_volume", "m^3", 1e-5, "air in the wheel brake, at the atmosphere's pressure"),
+    _hydraulics("pump_rate", "1", 1.0, 0.0, 2.0, "flow of the return pump over its healthy one, 0 is dead", "neutral"),
+    _hydraulics("circuit_split", "1", 0.0, 0.0, 1.0, "0 diagonal circuits, 1 front and rear", "neutral"),
+    _hydraulics("first_circuit_failure", "1", 0.0, 0.0, 1.0, "line pressure lost, front left's circuit", "neutral"),
+    _hydraulics("second_circuit_failure", "1", 0.0, 0.0, 1.0, "line pressure lost, the other circuit", "neutral"),
+    _hydraulics("first_accumulator_blocked", "1", 0.0, 0.0, 1.0, "share that takes no fluid", "neutral"),
+    _hydraulics("second_accumulator_blocked", "1", 0.0, 0.0, 1.0, "share that takes no fluid", "neutral"),
+    _hydraulics("fluid_temperature", "degC", 20.0, -40.0, 150.0, "of the brake fluid in lines and valves", "neutral"),
+    _hydraulics("laminar_share", "1", 0.1, 0.0, 1.0, "of the valves' resistance, which grows with viscosity", _USUAL),
+    Parameter("brakes.ambient_temperature", "degC", 20.0, -60.0, 80.0, "of the air at the discs", _USUAL),
+    *_per_wheel("pad_glazing", "1", 1.0, "share of the pads' friction lost to a glazed surface", section="brakes"),
+    *_per_wheel("piston_friction", "Pa", 5e7, "pressure that the caliper's piston needs to move", section="brakes"),
+    *_per_wheel("drag_torque", "N m", 1e3, "torque without pressure", section="brakes"),
+    *_per_wheel("thickness_variation", "1", 0.5, "amplitude of the torque over a turn of the disc", section="brakes"),
 )
-
-
-def fill_record(values: Mapping[str, float], record: NDArray[np.void]) -> None:
-    """Write the parameters into the record that the compiled model reads (its selection logic stays as it is).
-
-    Parameters
-    ----------
-    values
-        Every path of ``PARAMETERS`` with its SI value.
-    record : shape (1,), dtype ``PARAMETER_RECORD``
-    """
-    entry = record[0]
-    for number, name in enumerate(("increase", "hold", "decrease")):
-        entry["time_constant"][number] = values[f"hydraulics.{name}_time_constant"]
-    entry["threshold"] = values["hydraulics.pressure_change_threshold"]
-    entry["first_order_time_constant"] = values["brakes.first_order_time_constant"]
-    entry["delay"] = values["brakes.hydraulic_delay"]
-    for name in (
-        "accumulator_pressure",
-        "accumulator_volume",
-        "pump_flow",
-        "pump_pressure",
-        "active_build_up",
-        "rearm_near_target",
-        "literal_event",
-        "pump_failure",
-    ):
-        entry[name] = values[f"hydraulics.{name}"]
-    for wheel, suffix in enumerate(WHEELS):
-        axle = "front" if wheel < 2 else "rear"
-        brake = f"brakes.{axle}"
-        # eq. 78: two pads per brake
-        area, friction = values[f"{brake}.pad_area"], values[f"{brake}.pad_friction"]
-        entry["torque_per_pressure"][wheel] = 2.0 * area * friction * values[f"{brake}.effective_radius"]
-        entry["caliper_stiffness"][wheel] = values[f"hydraulics.caliper_stiffness_{axle}"]
-        for valve in ("inlet", "outlet"):
-            entry[f"{valve}_stuck"][wheel] = values[f"hydraulics.{valve}_stuck_{suffix}"]
-            entry[f"{valve}_delay"][wheel] = round(values[f"hydraulics.{valve}_delay_{suffix}"] / STEP_S)

@@ -5,12 +5,16 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from hydraulics.parameters import DECREASE, HOLD, INCREASE, INVALID, STEP_S
+from hydraulics.fluid import stiffness_share
+from hydraulics.friction_brake import brake_torque
+from hydraulics.record import DECREASE, HOLD, INCREASE, INVALID, STEP_S
 from hydraulics.selection_logic import TARGET_PUMP
 from hydraulics.valves import (
     accumulator_pressure,
     circuit_of,
+    flow_factor,
     inlet_closed,
+    leak,
     outlet_open,
     pump_back,
     remember_inputs,
@@ -27,16 +31,22 @@ def select(parameters: Any, inlet: int, outlet: int, pump: int) -> tuple[int, in
 
 
 @njit(cache=True)
-def line_pressure(parameters: Any, pump: int, master_pressure: float) -> float:
-    """Pressure in front of the inlet valves: the driver's, or the pump's during active build-up if that is higher."""
+def supply_pressure(parameters: Any, pump: int, master_pressure: float) -> float:
+    """Pressure that both circuits get: the driver's, or the pump's during active build-up if that is higher."""
     _, target = select(parameters, 0, 0, pump)
     return max(master_pressure, float(parameters.pump_pressure)) if target == TARGET_PUMP else master_pressure
 
 
 @njit(cache=True)
+def line_pressure(parameters: Any, wheel: int, supply: float) -> float:
+    """Pressure in front of a wheel's inlet valve: the supply, less what a failed circuit loses."""
+    return float(supply * (1.0 - parameters.circuit_failure[circuit_of(parameters, wheel)]))
+
+
+@njit(cache=True)
 def low_pressure(parameters: Any, state: Any, wheel: int, pump: int) -> float:
     """Pressure behind the wheel's outlet valve: a running pump keeps it at 0."""
-    return 0.0 if pump else accumulator_pressure(parameters, state, circuit_of(wheel))
+    return 0.0 if pump else accumulator_pressure(parameters, state, circuit_of(parameters, wheel))
 
 
 @njit(cache=True)
@@ -74,13 +84,15 @@ def _follow_segment(parameters: Any, state: Any, wheel: int, mode: int, goal: fl
     elapsed = STEP_S if restart else continued
     if retarget:
         if mode == HOLD:
-            running = parameters.time_constant[max(state.previous_state[wheel], 0)]
+            before = max(state.previous_state[wheel], 0)
+            running = parameters.time_constant[before] * flow_factor(parameters, wheel, before)
             state.target[wheel] -= state.difference[wheel] * np.exp(-continued / running)
         else:
             state.target[wheel] = goal
         state.difference[wheel] = state.target[wheel] - state.pressure[wheel]
     state.segment_time[wheel] = elapsed
-    return float(state.target[wheel] - state.difference[wheel] * np.exp(-elapsed / parameters.time_constant[mode]))
+    time_constant = parameters.time_constant[mode] * flow_factor(parameters, wheel, mode)
+    return float(state.target[wheel] - state.difference[wheel] * np.exp(-elapsed / time_constant))
 
 
 @njit(cache=True)
@@ -93,13 +105,25 @@ def _continue_from(state: Any, wheel: int, mode: int, pressure: float) -> None:
 
 
 @njit(cache=True)
+def softened(parameters: Any, state: Any, wheel: int, wanted: float) -> float:
+    """Pressure after a step in which the flow would reach ``wanted`` without air in the wheel brake."""
+    before = state.pressure[wheel]
+    share = stiffness_share(parameters, wheel, before)
+    if share == 1.0:
+        return wanted
+    middle = before + 0.5 * share * (wanted - before)  # gas stiffens a lot within a step
+    return float(before + stiffness_share(parameters, wheel, middle) * (wanted - before))
+
+
+@njit(cache=True)
 def _wheel_step(parameters: Any, state: Any, wheel: int, mode: int, line: float, low: float) -> None:
     goal = low if mode == DECREASE else line
     wanted = _follow_segment(parameters, state, wheel, mode, goal)
 
-    pressure = wanted
+    pressure = softened(parameters, state, wheel, wanted)
     if mode == DECREASE:
-        pressure = take_up(parameters, state, wheel, wanted)
+        pressure = take_up(parameters, state, wheel, pressure)
+    pressure = leak(parameters, state, wheel, pressure, line, low)
     # check valve beside the inlet valve: fluid flows back as soon as the line pressure is the lower one
     pressure = max(min(pressure, line), 0.0)
     if pressure != wanted:
@@ -109,13 +133,13 @@ def _wheel_step(parameters: Any, state: Any, wheel: int, mode: int, line: float,
 
 
 @njit(cache=True)
-def write_outputs(parameters: Any, state: Any, master_pressure: float, out: Any) -> None:
-    """Fill the block "hydraulics" of the signal catalogue, the states of the selection logic excepted."""
+def write_outputs(parameters: Any, state: Any, master_pressure: float, wheel_speed: Any, out: Any) -> None:
+    """Brake torques; fill the block "hydraulics" of the catalogue, the states of the selection logic excepted."""
     out[0] = master_pressure
     for wheel in range(4):
-        pressure = state.pressure[wheel]
-        out[1 + wheel] = pressure
-        out[10 + wheel] = parameters.torque_per_pressure[wheel] * pressure
+        out[1 + wheel] = state.pressure[wheel]
+        out[10 + wheel] = brake_torque(parameters, state, wheel, wheel_speed[wheel])
+        out[14 + wheel] = state.disc_temperature[wheel]
     worst = max(state.accumulator[0], state.accumulator[1])
     out[9] = parameters.accumulator_pressure * worst / parameters.accumulator_volume
 
@@ -134,7 +158,7 @@ def wheel_mode(parameters: Any, state: Any, wheel: int, pump: int, out: Any) -> 
 @njit(cache=True)
 def run_pump(parameters: Any, state: Any, pump_on: float) -> int:
     """1 if the return pump runs in this step; it then empties the accumulators."""
-    if pump_on <= 0.5 or parameters.pump_failure > 0.5:
+    if pump_on <= 0.5 or parameters.pump_failure > 0.5 or parameters.pump_rate == 0.0:
         return 0
     pump_back(parameters, state)
     return 1
@@ -142,7 +166,14 @@ def run_pump(parameters: Any, state: Any, pump_on: float) -> int:
 
 @njit(cache=True)
 def hcu_step(
-    parameter_record: Any, state_record: Any, inlet: Any, outlet: Any, out: Any, master_pressure: float, pump_on: float
+    parameter_record: Any,
+    state_record: Any,
+    inlet: Any,
+    outlet: Any,
+    wheel_speed: Any,
+    out: Any,
+    master_pressure: float,
+    pump_on: float,
 ) -> None:
     """One step of the hydraulic unit for four wheels.
 
@@ -150,16 +181,18 @@ def hcu_step(
     ----------
     parameter_record, state_record : shape (1,), dtypes ``PARAMETER_RECORD`` and ``STATE_RECORD``
     inlet, outlet : shape (4,), 1 where the valve is energised
-    out : shape (14,), block "hydraulics" of the catalogue
+    wheel_speed : shape (4,), rad/s
+    out : shape (18,), block "hydraulics" of the catalogue
     master_pressure : Pa
     pump_on : above 0.5 while the pump is commanded
     """
     parameters, state = parameter_record[0], state_record[0]
     remember_inputs(state, inlet, outlet, master_pressure)
     pump = run_pump(parameters, state, pump_on)
-    line = line_pressure(parameters, pump, master_pressure)
+    supply = supply_pressure(parameters, pump, master_pressure)
     for wheel in range(4):
         mode = wheel_mode(parameters, state, wheel, pump, out)
+        line = line_pressure(parameters, wheel, supply)
         _wheel_step(parameters, state, wheel, mode, line, low_pressure(parameters, state, wheel, pump))
     state.rearm = 0
-    write_outputs(parameters, state, master_pressure, out)
+    write_outputs(parameters, state, master_pressure, wheel_speed, out)

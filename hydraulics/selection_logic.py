@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hydraulics.parameters import DECREASE, HOLD, INCREASE, INVALID
+from hydraulics.record import DECREASE, HOLD, INCREASE, INVALID
 
 # what the pressure of a wheel approaches
 TARGET_MASTER, TARGET_FROZEN, TARGET_LOW, TARGET_PUMP = range(4)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hydraulics.parameters import LONGEST_DELAY_STEPS
+from hydraulics.record import LONGEST_DELAY_STEPS
 
 STATE_RECORD = np.dtype(
     [
@@ -18,6 +18,10 @@ STATE_RECORD = np.dtype(
         ("invalid_steps", "i8", (4,)),
         ("delayed_supply", "f8"),
         ("position", "i8"),
+        # wheel brakes
+        ("clamping", "f8", (4,)),  # pressure at the pads
+        ("disc_temperature", "f8", (4,)),
+        ("disc_angle", "f8", (4,)),
         ("master_history", "f8", (LONGEST_DELAY_STEPS,)),
         ("inlet_history", "f8", (LONGEST_DELAY_STEPS, 4)),
         ("outlet_history", "f8", (LONGEST_DELAY_STEPS, 4)),

@@ -6,13 +6,17 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hydraulics.first_order import first_order_step
-from hydraulics.parameters import PARAMETER_RECORD, PARAMETERS, fill_record
-from hydraulics.pressure import hcu_step
+from hydraulics.parameters import PARAMETERS
+from hydraulics.record import PARAMETER_RECORD, fill_record
 from hydraulics.selection_logic import LOGICS, SelectionLogic
 from hydraulics.state import STATE_RECORD
+from hydraulics.tick import first_order_tick, hcu_tick
 from signals.errors import InputError, unknown_name
+from signals.record_memory import addresses_of
 
+STANDSTILL = np.zeros(4)
+# other parameters that the course of a segment depends on
+_TIME_CONSTANTS = ("_conductance_", ".fluid_temperature", ".laminar_share")
 _BY_PATH = {parameter.path: parameter for parameter in PARAMETERS}
 
 
@@ -51,13 +55,15 @@ class HydraulicUnit:
         fill_record(self._values, self._parameters)
         self.selection_logic = _logic(selection_logic)
         self._parameters[0]["logic"][:] = self.selection_logic.table.reshape(-1)
-        self._step: Any = hcu_step if brake == "hcu" else first_order_step
+        self._step: Any = hcu_tick if brake == "hcu" else first_order_tick
+        self._records = addresses_of(self._parameters, self._state)
         self.reset()
 
     def reset(self) -> None:
-        """Back to the start: no pressure, empty accumulators."""
+        """Back to the start: no pressure, empty accumulators, discs at their temperature of the start."""
         self._state[:] = np.zeros(1, STATE_RECORD)
         self._state[0]["previous_state"][:] = -1
+        self._state[0]["disc_temperature"] = self._parameters[0]["disc_start_temperature"]
 
     def tick(
         self,
@@ -66,6 +72,7 @@ class HydraulicUnit:
         valve_outlet: NDArray[np.float64],
         pump: float,
         out: NDArray[np.float64],
+        wheel_speed: NDArray[np.float64] = STANDSTILL,
     ) -> None:
         """Advance by 1 ms.
 
@@ -77,11 +84,13 @@ class HydraulicUnit:
             1 where the valve is energised: inlet closed, outlet open.
         pump
             1 while the return pump is commanded.
-        out : shape (14,)
+        out : shape (18,)
             Block "hydraulics" of the signal catalogue; ``hydraulic_state`` is 3 where the valves' combination is
             invalid and the pressure is therefore held.
+        wheel_speed : shape (4,), rad/s
+            Heats the discs and counts where the torque depends on it.
         """
-        self._step(self._parameters, self._state, valve_inlet, valve_outlet, out, master_pressure_pa, pump)
+        self._step(self._records, valve_inlet, valve_outlet, wheel_speed, out, master_pressure_pa, pump)
 
     def names(self) -> tuple[str, ...]:
         """Dotted paths of all parameters."""
@@ -113,7 +122,7 @@ class HydraulicUnit:
             return
         self._values[path] = checked
         fill_record(self._values, self._parameters)
-        if path.endswith("_time_constant"):
+        if path.endswith("_time_constant") or any(part in path for part in _TIME_CONSTANTS):
             # the running segments go on from their pressures; no other parameter is part of a segment's course
             self._state[0]["rearm"] = 1
 

@@ -4,15 +4,34 @@ from typing import Any
 
 from numba import njit
 
-from hydraulics.parameters import LONGEST_DELAY_STEPS, STEP_S
+from hydraulics.fluid import stiffness_share
+from hydraulics.record import DECREASE, INCREASE, LONGEST_DELAY_STEPS, STEP_S
 
 STUCK_OPEN = 1.0
 
 
 @njit(cache=True)
-def circuit_of(wheel: int) -> int:
-    """Brake circuit of a wheel: diagonal split, front left with rear right."""
+def circuit_of(parameters: Any, wheel: int) -> int:
+    """Brake circuit of a wheel: diagonal, front left with rear right, or front and rear."""
+    if parameters.front_rear_split != 0:
+        return 0 if wheel < 2 else 1
     return 0 if wheel in (0, 3) else 1
+
+
+@njit(cache=True)
+def flow_factor(parameters: Any, wheel: int, mode: int) -> float:
+    """Factor on a time constant: cold fluid flows slowly, and so does fluid through a valve of small conductance."""
+    if mode == INCREASE:
+        return float(parameters.flow_resistance / parameters.inlet_conductance[wheel])
+    if mode == DECREASE:
+        return float(parameters.flow_resistance / parameters.outlet_conductance[wheel])
+    return 1.0
+
+
+@njit(cache=True)
+def stiffness(parameters: Any, wheel: int, pressure: float) -> float:
+    """Pressure per volume [Pa/m^3] of a wheel brake, air included."""
+    return float(parameters.caliper_stiffness[wheel] * stiffness_share(parameters, wheel, pressure))
 
 
 @njit(cache=True)
@@ -50,7 +69,7 @@ def outlet_open(parameters: Any, state: Any, wheel: int) -> int:
 def pump_back(parameters: Any, state: Any) -> None:
     """Return pump: empties both accumulators for one step."""
     for circuit in range(2):
-        volume = min(state.accumulator[circuit], parameters.pump_flow * STEP_S)
+        volume = min(state.accumulator[circuit], parameters.pump_flow * parameters.pump_rate * STEP_S)
         state.accumulator[circuit] -= volume
         state.pumped[circuit] += volume
 
@@ -73,9 +92,30 @@ def take_up(parameters: Any, state: Any, wheel: int, wanted: float) -> float:
     pressure = float(state.pressure[wheel])
     if wanted >= pressure:
         return pressure
-    circuit = circuit_of(wheel)
-    stiffness = parameters.caliper_stiffness[wheel]
-    room = max(parameters.accumulator_volume - state.accumulator[circuit], 0.0)
-    volume = min((pressure - wanted) / stiffness, room)
+    circuit = circuit_of(parameters, wheel)
+    per_volume = stiffness(parameters, wheel, pressure)
+    room = _room(parameters, state, circuit)
+    volume = min((pressure - wanted) / per_volume, room)
     state.accumulator[circuit] += volume
-    return wanted if volume < room else max(wanted, float(pressure - volume * stiffness))
+    return wanted if volume < room else max(wanted, float(pressure - volume * per_volume))
+
+
+@njit(cache=True)
+def _room(parameters: Any, state: Any, circuit: int) -> float:
+    """Volume that a circuit's accumulator can still take."""
+    capacity = parameters.accumulator_volume * (1.0 - parameters.accumulator_blocked[circuit])
+    return max(capacity - state.accumulator[circuit], 0.0)
+
+
+@njit(cache=True)
+def leak(parameters: Any, state: Any, wheel: int, pressure: float, line: float, low: float) -> float:
+    """Pressure after the leaks of a step: past the inlet valve, past the outlet valve, out of the wheel brake."""
+    inlet, outlet, out = parameters.inlet_leak[wheel], parameters.outlet_leak[wheel], parameters.brake_leak[wheel]
+    if inlet == 0.0 and outlet == 0.0 and out == 0.0:
+        return pressure
+    per_volume = stiffness(parameters, wheel, pressure)
+    gained = STEP_S * (inlet * (line - pressure) - out * pressure)
+    circuit = circuit_of(parameters, wheel)
+    released = min(STEP_S * outlet * max(pressure - low, 0.0), _room(parameters, state, circuit))
+    state.accumulator[circuit] += released
+    return max(pressure + per_volume * (gained - released), 0.0)

@@ -1,12 +1,13 @@
-"""Sections of a vehicle file that describe body, axles, wheels, suspension, steering and aerodynamics."""
+"""Sections of a vehicle file that describe body, axles, wheels, steering and aerodynamics."""
 
 from typing import Literal
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from signals.errors import FieldError
 from signals.quantities import FileModel, parameter
 from vehicle_model import inertias
+from vehicle_model.steering_file import SteeringMap
 
 _ASSUMED = "assumed: usual for a passenger car"
 
@@ -102,26 +103,6 @@ class Wheels(FileModel):
     rr: Wheel
 
 
-class AxleSuspension(FileModel):
-    """Springs and dampers of an axle, per wheel and reduced to the wheel."""
-
-    spring_rate: float = parameter("N/m", low=1e3, high=1e6, description="wheel rate of the spring")
-    compression_damping: float = parameter(
-        "N s/m", low=0.0, high=5e4, description="wheel rate of the damper, compressing"
-    )
-    rebound_damping: float = parameter("N s/m", low=0.0, high=5e4, description="wheel rate of the damper, extending")
-    anti_roll_rate: float = parameter(
-        "N/m", 0.0, low=0.0, high=1e6, description="force at a wheel per difference of travel of the axle's two wheels"
-    )
-
-
-class Suspension(FileModel):
-    """Suspension of both axles."""
-
-    front: AxleSuspension
-    rear: AxleSuspension
-
-
 class Steering(FileModel):
     """Steering of the front wheels."""
 
@@ -138,6 +119,9 @@ class Steering(FileModel):
         "N m/rad", 2e4, low=1e3, high=2e5, description="of the linkage, per wheel about the kingpin", source=_ASSUMED
     )
     damping: float = parameter("N m s/rad", 150.0, low=0.0, high=1e3, description="as the stiffness", source=_ASSUMED)
+    map: SteeringMap | None = Field(
+        default=None, description="measured angles of both wheels; the planar car and the vehicle-state filters need it"
+    )
 
 
 class Aerodynamics(FileModel):
@@ -169,4 +153,12 @@ class Aerodynamics(FileModel):
         high=5.0,
         neutral=0.0,
         description="side force over dynamic pressure and frontal area, per rad",
+    )
+    side_force_position: float = parameter(
+        "m",
+        0.0,
+        low=-3.0,
+        high=3.0,
+        neutral=0.0,
+        description="place of the side force ahead of the centre of gravity: its arm for the yaw moment",
     )

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from vehicle_model.plant_record import (
     POSITION_STEER,
-    POSITION_TRAVEL,
     VELOCITIES,
     VELOCITY_STEER,
     VELOCITY_TRAVEL,
@@ -32,9 +31,10 @@ def clear(force: NDArray[np.float64]) -> None:
 def vertical_loads(p: Record, s: Record, q: NDArray[np.float64]) -> None:
     """Loads of the four tyres from the heights of their hubs; a lifted tyre has none."""
     for i in range(4):
-        deflection = p.wheel_z[i] + p.height - (q[2] + s.hub[i, 2])
+        deflection = p.wheel_z[i] + p.height - (q[2] + s.hub[i, 2]) + s.road_height[i]
         spring = p.static_load[i] + p.vertical_stiffness[i] * deflection
-        load = spring - p.vertical_damping[i] * s.hub_velocity[i, 2]
+        rising = s.road_slope[i] * s.hub_velocity[i, 0]
+        load = spring - p.vertical_damping[i] * (s.hub_velocity[i, 2] - rising)
         s.load[i] = load if spring > 0.0 and load > 0.0 else 0.0
         s.load_damping[i] = s.load[i] - max(spring, 0.0)
 
@@ -64,21 +64,6 @@ def _add_world_force(
     force[3] += r[0, 0] * m_x + r[1, 0] * m_y + r[2, 0] * m_z
     force[4] += r[0, 1] * m_x + r[1, 1] * m_y + r[2, 1] * m_z
     force[5] += r[0, 2] * m_x + r[1, 2] * m_y + r[2, 2] * m_z
-
-
-@njit(cache=True)
-def add_suspension(
-    p: Record, s: Record, q: NDArray[np.float64], v: NDArray[np.float64], force: NDArray[np.float64]
-) -> None:
-    """Springs, dampers and anti-roll bars."""
-    for i in range(4):
-        travel, rate = q[POSITION_TRAVEL[i]], v[VELOCITY_TRAVEL[i]]
-        other = q[POSITION_TRAVEL[i ^ 1]]
-        damping = (p.compression_damping[i] if rate > 0.0 else p.rebound_damping[i]) * rate
-        s.damper_force[i] = damping
-        force[VELOCITY_TRAVEL[i]] -= (
-            p.spring_preload[i] + p.spring_rate[i] * travel + p.anti_roll_rate[i] * (travel - other) + damping
-        )
 
 
 @njit(cache=True)
@@ -121,6 +106,8 @@ def add_tyres(p: Record, s: Record, q: NDArray[np.float64], force: NDArray[np.fl
         f_y = s.force_x[i] * forward_y + s.force_y[i] * forward_x
         f_z = s.load[i]
         s.ground_force[i, 0], s.ground_force[i, 1] = f_x, f_y
+        # the load stands on the uneven road: what lifts the wheel is taken from the car's motion
+        f_x -= f_z * s.road_slope[i]
         # rolling resistance is a moment about the wheel's axis, which lies to the left of its heading
         moment_x, moment_y = s.rolling_torque[i] * forward_y, -s.rolling_torque[i] * forward_x
         height = q[2] + s.hub[i, 2]
@@ -137,7 +124,8 @@ def add_tyres(p: Record, s: Record, q: NDArray[np.float64], force: NDArray[np.fl
             moment_y,
             s.moment_z[i],
         )
-        force[VELOCITY_TRAVEL[i]] += f_x * r[0, 2] + f_y * r[1, 2] + f_z * r[2, 2]
+        slide = s.slide[i]
+        force[VELOCITY_TRAVEL[i]] += f_x * slide[0] + f_y * slide[1] + f_z * slide[2]
         if i < 2:
             # moment about the steer axis: the force acts below the hub by its height
             force[VELOCITY_STEER[i]] += (
@@ -168,14 +156,16 @@ def add_air(
     speed = math.sqrt(air_x * air_x + air_y * air_y)
     f_x, f_y = -p.drag * speed * air_x, -p.drag * speed * air_y
     forward_x, forward_y = math.cos(s.yaw), math.sin(s.yaw)
+    yaw_moment = 0.0
     if p.side_force != 0.0:
         across = forward_x * air_y - forward_y * air_x
         f_x += p.side_force * speed * across * forward_y
         f_y -= p.side_force * speed * across * forward_x
+        yaw_moment = -p.side_force * speed * across * p.side_force_position
     above = p.drag_height - height
-    _add_world_force(s, force, f_x, f_y, 0.0, 0.0, 0.0, above, 0.0, 0.0, 0.0)
+    _add_world_force(s, force, f_x, f_y, 0.0, 0.0, 0.0, above, 0.0, 0.0, yaw_moment)
     turn = s.angular_velocity
-    power = -f_x * (v[0] + turn[1] * above) - f_y * (v[1] - turn[0] * above)
+    power = -f_x * (v[0] + turn[1] * above) - f_y * (v[1] - turn[0] * above) - yaw_moment * turn[2]
     if p.lift_front != 0.0 or p.lift_rear != 0.0:
         along = (forward_x * air_x + forward_y * air_y) ** 2
         for axle in range(2):

@@ -10,6 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from vehicle_model.plant_record import POSITION_TRAVEL, VELOCITY_SPIN, VELOCITY_STEER, VELOCITY_TRAVEL, Record
+from vehicle_model.suspension_forces import stop_energy
 
 
 @njit(cache=True)
@@ -35,6 +36,7 @@ def keep_before(s: Record, v: NDArray[np.float64]) -> None:
         s.travel_rate_before[i] = v[VELOCITY_TRAVEL[i]]
         s.hub_rate_before[i] = s.hub_velocity[i, 2]
         s.carrier_rate_before[i] = s.carrier_rate[i]
+        s.carrier_spin_before[i] = s.carrier_spin[i]
     s.steer_rate_before[0], s.steer_rate_before[1] = v[VELOCITY_STEER[0]], v[VELOCITY_STEER[1]]
 
 
@@ -55,7 +57,10 @@ def account(p: Record, s: Record, v: NDArray[np.float64], gravity: NDArray[np.fl
         tyres -= s.ground_force[i, 0] * mean_x + s.ground_force[i, 1] * mean_y + s.moment_z[i] * turn
         rolling += s.rolling_torque[i] * 0.5 * (s.carrier_rate_before[i] + s.carrier_rate[i])
         dampers += s.damper_force[i] * 0.5 * (s.travel_rate_before[i] + v[VELOCITY_TRAVEL[i]])
-        dampers -= s.load_damping[i] * 0.5 * (s.hub_rate_before[i] + s.hub_velocity[i, 2])
+        rising = s.road_slope[i] * mean_x
+        dampers -= s.load_damping[i] * (0.5 * (s.hub_rate_before[i] + s.hub_velocity[i, 2]) - rising)
+        if p.carrier_pitch[i] != 0.0:  # half shafts turn the wheel against the body, not against its carrier
+            s.drive_energy += step * s.drive_torque[i] * 0.5 * (s.carrier_spin_before[i] + s.carrier_spin[i])
     s.tyre_energy += step * tyres
     s.rolling_energy += step * rolling
     s.damper_energy += step * dampers
@@ -87,14 +92,16 @@ def mechanical_energy(p: Record, s: Record, q: NDArray[np.float64], v: NDArray[n
         if i < 2:
             steer_rate = v[VELOCITY_STEER[i]]
             carrier_squared += (2.0 * v[5] + steer_rate) * steer_rate
-        along = s.carrier_rate[i]
+        along = s.carrier_rate[i] - s.carrier_spin[i]  # of the body alone
         spin = along + v[VELOCITY_SPIN[i]]
         energy += p.transverse_inertia[i] * (carrier_squared - along * along) + p.spin_inertia[i] * spin * spin
         travel = q[POSITION_TRAVEL[i]]
         energy += (p.spring_rate[i] * travel + 2.0 * p.spring_preload[i]) * travel
         # each wheel holds half of the bar, whose energy is half the rate times the square of the difference
         energy += 0.5 * p.anti_roll_rate[i] * (travel - q[POSITION_TRAVEL[i ^ 1]]) ** 2
-        deflection = p.wheel_z[i] + p.height - (q[2] + s.hub[i, 2])
+        if p.stops[i] != 0:
+            energy += 2.0 * stop_energy(p, i, travel)
+        deflection = p.wheel_z[i] + p.height - (q[2] + s.hub[i, 2]) + s.road_height[i]
         total = max(p.static_load[i] / p.vertical_stiffness[i] + deflection, 0.0)
         energy += p.vertical_stiffness[i] * total * total
     return 0.5 * energy + s.gravity_energy

@@ -6,14 +6,10 @@ module registers the name when it is imported, and every module with such code i
 
 import ctypes
 from pathlib import Path
-from typing import Any
 
 import llvmlite.binding
 import mujoco
-from llvmlite import ir
 from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
 
 
 def _register(name: str) -> None:
@@ -27,17 +23,3 @@ _register("mj_step")
 
 mj_step = types.ExternalFunction("mj_step", types.void(types.intp, types.intp))
 """``mj_step(address of model, address of data)``."""
-
-
-@intrinsic
-def pointer(typing_context: Any, address: Any) -> Any:
-    """Pointer to the memory at an address, for ``numba.carray``.
-
-    Compiled functions get one array of addresses instead of a dozen arrays, because unpacking an array argument costs
-    a tenth of a microsecond.
-    """
-
-    def generate(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> Any:
-        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
-
-    return types.voidptr(types.intp), generate

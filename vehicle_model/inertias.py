@@ -2,6 +2,9 @@
 
 from typing import Literal
 
+TRANSVERSE_OVER_SPIN = 0.6
+"""Inertia of wheel and carrier about a diameter over that about the spin axis; a thin disc has 0.5 (assumed)."""
+
 
 def roll_inertia(mass: float, width: float, height: float) -> float:
     """(0.75/12) m (w^2 + h^2) [kg m^2] from mass [kg], overall width and height [m] (Enisz 2015, eq. 116, l. 1361)."""

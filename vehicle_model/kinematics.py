@@ -1,7 +1,8 @@
 """Kinematics of body and wheels from MuJoCo's positions and velocities, compiled.
 
-The joints of a wheel sit in one body whose centre only travels along the body's z axis, so that everything follows from
-the body's motion in closed form; MuJoCo's own frames are not needed.
+The joints of a wheel sit in one body whose centre only travels along a line fixed to the body, so that everything
+follows from the body's motion in closed form; MuJoCo's own frames are not needed. The spin coordinate is the turning of
+the wheel against the body; against its carrier, which may pitch with the travel, it turns by ``carrier_spin`` less.
 """
 
 import math
@@ -33,13 +34,21 @@ def update_kinematics(p: Record, s: Record, q: NDArray[np.float64], v: NDArray[n
     for i in range(4):
         travel, travel_rate = q[POSITION_TRAVEL[i]], v[VELOCITY_TRAVEL[i]]
         b_x, b_y, b_z = p.wheel_x[i], p.wheel_y[i], p.wheel_z[i] + travel
+        slide = s.slide[i]
+        slide[0], slide[1], slide[2] = r[0, 2], r[1, 2], r[2, 2]
+        if p.guided[i] != 0:
+            a_x, a_y = p.slide_x[i], p.slide_y[i]
+            b_x += a_x * travel
+            b_y += a_y * travel
+            for k in range(3):
+                slide[k] += a_x * r[k, 0] + a_y * r[k, 1]
         h_x = r[0, 0] * b_x + r[0, 1] * b_y + r[0, 2] * b_z
         h_y = r[1, 0] * b_x + r[1, 1] * b_y + r[1, 2] * b_z
         h_z = r[2, 0] * b_x + r[2, 1] * b_y + r[2, 2] * b_z
         s.hub[i, 0], s.hub[i, 1], s.hub[i, 2] = h_x, h_y, h_z
-        velocity_x = v[0] + turn_y * h_z - turn_z * h_y + travel_rate * r[0, 2]
-        velocity_y = v[1] + turn_z * h_x - turn_x * h_z + travel_rate * r[1, 2]
-        velocity_z = v[2] + turn_x * h_y - turn_y * h_x + travel_rate * r[2, 2]
+        velocity_x = v[0] + turn_y * h_z - turn_z * h_y + travel_rate * slide[0]
+        velocity_y = v[1] + turn_z * h_x - turn_x * h_z + travel_rate * slide[1]
+        velocity_z = v[2] + turn_x * h_y - turn_y * h_x + travel_rate * slide[2]
         s.hub_velocity[i, 0], s.hub_velocity[i, 1], s.hub_velocity[i, 2] = velocity_x, velocity_y, velocity_z
 
         angle = p.toe[i]
@@ -51,6 +60,15 @@ def update_kinematics(p: Record, s: Record, q: NDArray[np.float64], v: NDArray[n
             carrier_y += rate * r[1, 2]
             carrier_z += rate * r[2, 2]
         sine, cosine = math.sin(angle), math.cos(angle)
+        s.carrier_cosine[i] = cosine
+        if p.carrier_pitch[i] != 0.0:
+            pitching = p.carrier_pitch[i] * travel_rate
+            carrier_x += pitching * r[0, 1]
+            carrier_y += pitching * r[1, 1]
+            carrier_z += pitching * r[2, 1]
+            s.carrier_spin[i] = pitching * cosine
+        else:
+            s.carrier_spin[i] = 0.0
         axis_x = r[0, 1] * cosine - r[0, 0] * sine
         axis_y = r[1, 1] * cosine - r[1, 0] * sine
         s.axis_z[i] = r[2, 1] * cosine - r[2, 0] * sine

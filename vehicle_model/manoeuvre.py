@@ -22,7 +22,7 @@ from vehicle_model.manoeuvre_file import (
     SteeringProfile,
     Step,
 )
-from vehicle_model.tyres.tyre_file import CurveTyre, MagicFormulaCurve
+from vehicle_model.tyres.tyre_file import TirTyre
 from vehicle_model.vehicle_file import STANDARD_GRAVITY, VehicleFile
 
 BOOSTER_GAIN = "brakes.booster_gain"
@@ -33,6 +33,7 @@ _FEET = {
     "coast": record.COAST,
     "brake": record.BRAKE,
 }
+_FOLLOWED = {"straight": record.STRAIGHT, "circle": record.CIRCLE, "path": record.PATH}
 _AUTO = -1
 _USUAL = Accelerate()
 _SHIFT_SHARE = 0.92  # of the engine's largest speed
@@ -245,8 +246,10 @@ class Manoeuvre:
         delay = round(steer.reaction_delay / TIME_STEP_S)
         row["reaction_ticks"] = min(delay, record.LONGEST_REACTION_TICKS - 1)
         if steer.follow is not None:
-            row["hands"] = record.STRAIGHT if steer.follow == "straight" else record.CIRCLE
+            row["hands"] = _FOLLOWED[steer.follow]
             row["path_radius"] = steer.radius or 0.0
+            if steer.path is not None:
+                self._table = np.array([steer.path.x, steer.path.y])
         elif steer.profile is not None:
             self._fill_profile(steer.profile)
         else:
@@ -281,10 +284,7 @@ def _understeer(vehicle: VehicleFile) -> float:
 
 
 def _cornering_slope(tyre: Any) -> float:
-    """Cornering stiffness over load [1/rad] of a tyre; of a usual one where no curve tells it."""
-    if isinstance(tyre, CurveTyre):
-        curve = tyre.lateral if isinstance(tyre.longitudinal, MagicFormulaCurve) else tyre.longitudinal
-        if isinstance(curve, MagicFormulaCurve):
-            return curve.stiffness * curve.shape * curve.peak_friction
-        return curve.c1 * curve.c2 - curve.c3
+    """Cornering stiffness over load [1/rad] of a tyre; of a usual one where its entry does not tell it."""
+    if not isinstance(tyre, TirTyre):
+        return float(tyre.slopes()[1])
     return _USUAL_CORNERING_SLOPE

@@ -184,16 +184,35 @@ class SteeringProfile(FileModel):
         return self
 
 
+class PathPoints(FileModel):
+    """A path as y over x in road axes: straight between the points, level before the first and after the last."""
+
+    x: list[float] = Field(min_length=2, description="rising places along the road", json_schema_extra={"unit": "m"})
+    y: list[float] = Field(
+        min_length=2, description="places across the road, positive to the left", json_schema_extra={"unit": "m"}
+    )
+
+    @model_validator(mode="after")
+    def _pairs(self) -> "PathPoints":
+        if len(self.x) != len(self.y):
+            raise FieldError("as many y as x", at=("y",), allowed=f"{len(self.x)} values")
+        for number, (earlier, later) in enumerate(pairwise(self.x), 1):
+            if later <= earlier:
+                raise FieldError("not rising", at=("x", number), allowed=f"more than {earlier:g} m")
+        return self
+
+
 class Steer(FileModel):
     """What the hands do; exactly one of angle, profile and follow."""
 
     angle: float | None = parameter("rad", None, low=-12.0, high=12.0, description="held, positive to the left")
     profile: SteeringProfile | None = None
-    follow: Literal["straight", "circle"] | None = Field(
+    follow: Literal["straight", "circle", "path"] | None = Field(
         default=None,
         description="straight: the road's x axis at lateral_position; circle: from the car's place and course when the "
-        "step begins",
+        "step begins; path: the points of path",
     )
+    path: PathPoints | None = None
     radius: float | None = parameter("m", None, low=-1e4, high=1e4, description="of the circle, positive to the left")
     lateral_position: float = parameter("m", 0.0, low=-1e3, high=1e3, description="y of the straight to follow")
     preview: float = parameter("s", 1.0, low=0.1, high=5.0, description="how far ahead the driver aims", source=_HUMAN)
@@ -216,6 +235,8 @@ class Steer(FileModel):
             raise FieldError("a circle needs a radius", at=("radius",), allowed="at least 5 m, negative to the right")
         if self.follow != "circle" and self.radius is not None:
             raise FieldError("only a circle has a radius", at=("radius",), allowed="follow: circle beside it")
+        if (self.follow == "path") != (self.path is not None):
+            raise FieldError("follow: path and path go together", at=("path",), allowed="both or none of them")
         return self
 
 

@@ -6,6 +6,7 @@ stiffness or damping. Each wheel is one body with its joints in the order travel
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from signals.wheels import WHEELS
 from vehicle_model.plant_record import POSITIONS, VELOCITIES
@@ -55,6 +56,12 @@ def build_model(bodies: RigidBodies, time_step_s: float) -> mujoco.MjModel:
             f"the model has {model.nq} positions and {model.nv} velocities, expected {POSITIONS, VELOCITIES}"
         )
     return model
+
+
+def write_slides(model: mujoco.MjModel, slides: NDArray[np.float64]) -> None:
+    """Change the lines along which the wheels travel (shape ``(4, 3)``, movement per travel) of a model in use."""
+    for wheel, slide in zip(WHEELS, slides, strict=True):
+        model.joint(f"travel_{wheel}").axis[:] = slide
 
 
 def write_bodies(model: mujoco.MjModel, scratch: mujoco.MjData, bodies: RigidBodies) -> None:

@@ -117,12 +117,39 @@ def find(model: BaseModel, path: str, prefix: str = "") -> _Leaf:
     InputError
         If there is none; the message names the nearest path.
     """
-    paths = []
-    for leaf in _leaves(model, prefix):
-        if leaf.path == path:
-            return leaf
-        paths.append(leaf.path)
-    raise unknown_name("parameter", path, paths)
+    leaf = _leaf_at(model, path, prefix)
+    if leaf is not None:
+        return leaf
+    raise unknown_name("parameter", path, [leaf.path for leaf in _leaves(model, prefix)])
+
+
+def _leaf_at(model: BaseModel, path: str, prefix: str) -> _Leaf | None:
+    """The parameter at the end of a path, None if the path leads nowhere.
+
+    Walks the path instead of the whole file: a stimulus may set a parameter each millisecond.
+    """
+    if not path.startswith(prefix):
+        return None
+    names = path[len(prefix) :].split(".")
+    while names:
+        name = names.pop(0)
+        field = type(model).model_fields.get(name)
+        if field is None:
+            return None
+        value: Any = getattr(model, name)
+        if isinstance(value, list):
+            position = int(names.pop(0)) if names and names[0].isdecimal() else len(value)
+            if position >= len(value):
+                return None
+            value = value[position]
+            if not names and isinstance(value, (int, float)):
+                return _Leaf(path, model, name, position, field)
+        elif not names and unit_of(field) is not None and not isinstance(value, BaseModel):
+            return _Leaf(path, model, name, None, field)
+        if not isinstance(value, BaseModel):
+            return None
+        model = value
+    return None
 
 
 def get_parameter(model: BaseModel, path: str, prefix: str = "") -> float:

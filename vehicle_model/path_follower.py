@@ -15,6 +15,7 @@ from vehicle_model.driver_record import (
     ANGLE,
     CIRCLE,
     LONGEST_REACTION_TICKS,
+    PATH,
     SINE,
     SINE_WITH_DWELL,
     STRAIGHT,
@@ -58,7 +59,7 @@ def _begin(c: Any, s: Any, values: Any, time: float) -> None:
     s.hands_began = time
     s.steering_start = s.steering
     s.table_row = 0
-    follows = c.hands in (STRAIGHT, CIRCLE)
+    follows = c.hands in (STRAIGHT, CIRCLE, PATH)
     if follows and s.follows == 0:
         s.trim = 0.0
         for k in range(LONGEST_REACTION_TICKS):
@@ -78,13 +79,29 @@ def _course(c: Any, values: Any) -> float:
 
 
 @njit(cache=True)
-def _arc_to_path(c: Any, s: Any, values: Any, ahead: float) -> tuple[float, float]:
+def _path_at(table: Any, x: float) -> float:
+    """y of the path at a place along the road."""
+    last = table.shape[1] - 1
+    if x <= table[0, 0]:
+        return table[1, 0]
+    for k in range(1, last + 1):
+        if x < table[0, k]:
+            share = (x - table[0, k - 1]) / (table[0, k] - table[0, k - 1])
+            return table[1, k - 1] + share * (table[1, k] - table[1, k - 1])
+    return table[1, last]
+
+
+@njit(cache=True)
+def _arc_to_path(c: Any, s: Any, values: Any, table: Any, ahead: float) -> tuple[float, float]:
     """Curvature of the arc to the point of the path ``ahead`` metres on, and the car's offset to the path's left."""
     x, y = values[c.position_x], values[c.position_y]
     course = _course(c, values)
     if c.hands == STRAIGHT:
         offset = y - c.path_y
         to_x, to_y = ahead, -offset
+    elif c.hands == PATH:
+        offset = y - _path_at(table, x)
+        to_x, to_y = ahead, _path_at(table, x + ahead) - y
     else:
         from_x, from_y = x - s.centre_x, y - s.centre_y
         radius = abs(c.path_radius)
@@ -98,14 +115,14 @@ def _arc_to_path(c: Any, s: Any, values: Any, ahead: float) -> tuple[float, floa
 
 
 @njit(cache=True)
-def _follow(c: Any, s: Any, values: Any) -> float:
+def _follow(c: Any, s: Any, values: Any, table: Any) -> float:
     """Steering-wheel angle that the hands reach for now [rad]."""
     v_x, v_y = values[c.speed], values[c.lateral_speed]
     speed = math.sqrt(v_x * v_x + v_y * v_y)
     if speed < _SLOWEST_M_S:
         return s.steering
     ahead = max(c.preview * speed, _SHORTEST_PREVIEW_M)
-    arc, offset = _arc_to_path(c, s, values, ahead)
+    arc, offset = _arc_to_path(c, s, values, table, ahead)
     trim = s.trim - _TRIM_RATE * TIME_STEP_S * 2.0 * offset / (ahead * ahead)
     s.trim = min(max(trim, -_LARGEST_TRIM), _LARGEST_TRIM)
     curvature = arc + s.trim
@@ -128,6 +145,6 @@ def steer(c: Any, s: Any, values: Any, table: Any, time: float) -> None:
     elif c.hands == SINE or c.hands == SINE_WITH_DWELL:
         s.steering = s.steering_start + _sine(c, elapsed)
     else:
-        target = c.angle if c.hands == ANGLE else _follow(c, s, values)
+        target = c.angle if c.hands == ANGLE else _follow(c, s, values, table)
         change = c.rate * TIME_STEP_S
         s.steering += min(max(target - s.steering, -change), change)

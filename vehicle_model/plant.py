@@ -7,26 +7,26 @@ car.state()["speed"]
 car.set("road.friction", 0.5)
 """
 
-from collections.abc import Iterator
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from signals.errors import InputError, unknown_name
-from vehicle_model import parameters
 from vehicle_model.body_forces import steering_angle
 from vehicle_model.equilibrium import solve_equilibrium
+from vehicle_model.guidance import guidance
 from vehicle_model.interface import PLANT_OUTPUTS, TIME_STEP_S
-from vehicle_model.mjcf import build_model, write_bodies
-from vehicle_model.parameters import ParameterInfo
+from vehicle_model.mjcf import build_model, write_bodies, write_slides
+from vehicle_model.plant_access import PlantAccess
 from vehicle_model.plant_parameters import (
+    GUIDANCE_SECTIONS,
     ONLY_WHEN_BUILT,
     RIGID_BODY_SECTIONS,
     SECTIONS,
     PlantOptions,
     copy_of,
+    write_guidance,
     write_masses,
     write_numerics,
     write_running_gear,
@@ -47,7 +47,7 @@ from vehicle_model.tyres.kernel import PREPARED_SIZE
 from vehicle_model.vehicle_file import VehicleFile
 
 
-class Plant:
+class Plant(PlantAccess):
     """A car on a road (see ``vehicle_model.interface.Plant`` for what every plant offers).
 
     Parameters
@@ -68,6 +68,8 @@ class Plant:
     """
 
     time_step_s = TIME_STEP_S
+    sections = SECTIONS
+    only_when_built = ONLY_WHEN_BUILT
 
     def __init__(
         self,
@@ -80,7 +82,7 @@ class Plant:
         self._vehicle = copy_of(vehicle)
         self._at_rest = copy_of(vehicle)
         self._numbers_at_rest = self._rigid_body_numbers(self._at_rest)
-        self._options = PlantOptions(steps_per_tick=steps_per_tick, wheel_substeps=wheel_substeps)
+        self._options: PlantOptions = PlantOptions(steps_per_tick=steps_per_tick, wheel_substeps=wheel_substeps)
         self._road = RoadTables(road or RoadFile())
         self._parameters = np.zeros(1, PARAMETER_RECORD)
         self._state = np.zeros(1, STATE_RECORD)
@@ -113,6 +115,12 @@ class Plant:
             write_numerics(self._parameters, self._options)
             self._model.opt.timestep = TIME_STEP_S / self._options.steps_per_tick
             return
+        if section in GUIDANCE_SECTIONS:
+            guided = guidance(
+                self._vehicle.numbers("axles") | self._vehicle.numbers("wheels") | self._vehicle.numbers("suspension")
+            )
+            write_slides(self._model, guided.slides)
+            write_guidance(self._parameters, guided)
         if section in RIGID_BODY_SECTIONS:
             bodies = self._bodies()
             write_bodies(self._model, self._scratch, bodies)
@@ -134,6 +142,7 @@ class Plant:
             "patches": self._road.patches,
             "points": self._road.points,
             "surfaces": self._road.surfaces,
+            "heights": self._road.heights,
             "outputs": self.outputs,
         }
         addresses = {name: array.ctypes.data for name, array in memory.items()}
@@ -186,58 +195,6 @@ class Plant:
         self._drive[:] = drive_torque
         advance(self._addresses, self._brake, self._drive, steer, self._time_s, n)
         self._time_s += n * TIME_STEP_S
-
-    def names(self) -> tuple[str, ...]:
-        """Dotted paths of every parameter, the road's as ``road.…``, the numerics' as ``plant.…``."""
-        return tuple(info.path for info in self.parameter_table())
-
-    def parameter_table(self) -> list[ParameterInfo]:
-        """Every parameter with unit, value, range and neutral value."""
-        return [info for info in self._infos() if info.path not in ONLY_WHEN_BUILT]
-
-    def _infos(self) -> Iterator[ParameterInfo]:
-        for section in SECTIONS:
-            yield from parameters.parameter_infos(getattr(self._vehicle, section), f"{section}.", self._vehicle.sources)
-        yield from parameters.parameter_infos(self._road.road, "road.")
-        yield from parameters.parameter_infos(self._options, "plant.")
-
-    def _owner(self, path: str) -> tuple[Any, str]:
-        section = path.partition(".")[0]
-        if section == "road":
-            return self._road.road, "road."
-        if section == "plant":
-            return self._options, "plant."
-        if section in SECTIONS:
-            return getattr(self._vehicle, section), f"{section}."
-        raise unknown_name("section of the plant", section, (*SECTIONS, "road", "plant"))
-
-    def get(self, path: str) -> float:
-        """Value of a parameter in SI units; InputError if there is none of that path."""
-        model, prefix = self._owner(path)
-        return parameters.get_parameter(model, path, prefix)
-
-    def set(self, path: str, value: float | str) -> None:
-        """Change a parameter from the next tick on; InputError if there is none or the value is refused."""
-        if path in ONLY_WHEN_BUILT:
-            raise InputError(
-                f"{path}: only used when the car is built",
-                mend="change it in the vehicle file, or change what follows from it (inertias, vertical stiffness)",
-            )
-        if path.startswith("road."):
-            self._road.set(path, value)
-            return
-        model, prefix = self._owner(path)
-        before = parameters.get_parameter(model, path, prefix)
-        parameters.set_parameter(model, path, value, prefix)
-        try:
-            self._write(prefix.removesuffix("."))
-        except InputError:
-            parameters.set_parameter(model, path, before, prefix)
-            raise
-
-    def state(self) -> dict[str, float]:
-        """Outputs of the last tick by name."""
-        return dict(zip(PLANT_OUTPUTS, self.outputs.tolist(), strict=True))
 
     def energy_account(self) -> dict[str, float]:
         """Energies since the reset [J]: what brakes, tyres, rolling, dampers and air took, and what the drive gave."""

@@ -72,7 +72,7 @@ def write_outputs(
         heading_x, heading_y = s.forward[i, 0], s.forward[i, 1]
         along = heading_x * s.hub_velocity[i, 0] + heading_y * s.hub_velocity[i, 1]
         across = heading_x * s.hub_velocity[i, 1] - heading_y * s.hub_velocity[i, 0]
-        omega = v[VELOCITY_SPIN[i]]
+        omega = v[VELOCITY_SPIN[i]] - s.carrier_spin[i]
         rolling = p.radius[i] * omega
         fastest = max(abs(rolling), abs(along))
         out[_WHEEL_SPEED + i] = omega

@@ -3,16 +3,23 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from signals.errors import InputError
 from signals.quantities import FileModel, parameter
 from signals.wheels import WHEELS
+from vehicle_model.guidance import Guidance
 from vehicle_model.plant_record import Record
 from vehicle_model.rigid_bodies import RigidBodies
+from vehicle_model.suspension_file import damper_curve_problem
 from vehicle_model.tyres.coefficients import write_tyre
-from vehicle_model.tyres.tyre_file import CurveTyre, TirTyre, TyrePair
+from vehicle_model.tyres.relaxation import fill_in
+from vehicle_model.tyres.tyre_file import AnyTyre, TirTyre, TyrePair
 from vehicle_model.vehicle_file import STANDARD_GRAVITY, VehicleFile
 
 SECTIONS = ("body", "axles", "wheels", "suspension", "steering", "aerodynamics", "tyres")
 RIGID_BODY_SECTIONS = ("body", "axles", "wheels")
+GUIDANCE_SECTIONS = ("body", "axles", "wheels", "suspension")
+"""Sections on which the lines depend along which the wheels travel."""
+
 ONLY_WHEN_BUILT = frozenset(
     {"body.length", "body.width", "body.height", *(f"wheels.{wheel}.unloaded_radius" for wheel in WHEELS)}
 )
@@ -63,28 +70,56 @@ def write_tyres(record: NDArray[np.void], tyre_rows: NDArray[np.float64], vehicl
         write_tyre(tyre, tyre_rows[i], right=i % 2 == 1)
 
 
+def write_guidance(record: NDArray[np.void], guidance: Guidance) -> None:
+    """Fill what the wheels do while they travel."""
+    p = record[0]
+    p["slide_x"], p["slide_y"] = guidance.slides[:, 0], guidance.slides[:, 1]
+    p["carrier_pitch"] = guidance.carrier_pitch
+    p["guided"] = np.any(guidance.slides[:, :2] != 0.0, axis=1)
+
+
 def write_running_gear(record: NDArray[np.void], vehicle: VehicleFile, at_rest: VehicleFile) -> None:
     """Fill wheels, suspension, steering and air forces; static loads are there already."""
     _write_wheels(record[0], vehicle, at_rest)
+    _write_suspension(record[0], vehicle)
     _write_steering_and_air(record[0], vehicle)
 
 
 def _write_wheels(p: Record, vehicle: VehicleFile, at_rest: VehicleFile) -> None:
     for i, name in enumerate(WHEELS):
         wheel, wheel_at_rest = getattr(vehicle.wheels, name), getattr(at_rest.wheels, name)
-        suspension = vehicle.suspension.front if i < 2 else vehicle.suspension.rear
         p["radius"][i] = wheel.radius
         p["vertical_stiffness"][i] = wheel.vertical_stiffness
         p["vertical_damping"][i] = wheel.vertical_damping
         p["rolling_resistance"][i] = wheel.rolling_resistance
         p["friction_factor"][i] = wheel.friction_factor
         p["toe"][i] = wheel.toe
-        p["spring_rate"][i] = suspension.spring_rate
         # the spring carries what rests on the wheel without the wheel itself
         p["spring_preload"][i] = p["static_load"][i] - wheel_at_rest.unsprung_mass * STANDARD_GRAVITY
-        p["compression_damping"][i] = suspension.compression_damping
-        p["rebound_damping"][i] = suspension.rebound_damping
-        p["anti_roll_rate"][i] = suspension.anti_roll_rate
+
+
+def _write_suspension(p: Record, vehicle: VehicleFile) -> None:
+    for i in range(4):
+        axle = vehicle.suspension.front if i < 2 else vehicle.suspension.rear
+        problem = damper_curve_problem(axle.damper_speeds, axle.damper_forces)
+        if problem is not None:
+            field, found, allowed = problem
+            raise InputError(f"suspension.{'front' if i < 2 else 'rear'}.{field}", found=found, allowed=allowed)
+        for name in ("spring_rate", "compression_damping", "rebound_damping", "damping_scale", "anti_roll_rate"):
+            p[name][i] = getattr(axle, name)
+        count = len(axle.damper_speeds)
+        p["damper_points"][i] = count
+        p["damper_speeds"][i, :count], p["damper_forces"][i, :count] = axle.damper_speeds, axle.damper_forces
+        p["stops"][i] = max(axle.bump_stop_rate, axle.bump_stop_progression, axle.rebound_stop_rate) > 0.0
+        p["bump_clearance"][i], p["rebound_clearance"][i] = axle.bump_stop_clearance, axle.rebound_stop_clearance
+        p["bump_rate"][i], p["bump_progression"][i] = axle.bump_stop_rate, axle.bump_stop_progression
+        p["rebound_rate"][i] = axle.rebound_stop_rate
+        outwards = -1.0 if i % 2 == 0 else 1.0
+        p["camber"][i], p["camber_gain"][i] = outwards * axle.camber, outwards * axle.camber_gain
+    adaptive = vehicle.suspension.adaptive
+    p["adaptive"] = adaptive.mode > 0.5
+    p["skyhook_damping"], p["valve_time_constant"] = adaptive.skyhook_damping, adaptive.time_constant
+    p["soft_scale"], p["firm_scale"] = adaptive.soft_scale, adaptive.firm_scale
 
 
 def _write_steering_and_air(p: Record, vehicle: VehicleFile) -> None:
@@ -95,12 +130,15 @@ def _write_steering_and_air(p: Record, vehicle: VehicleFile) -> None:
     area = 0.5 * air.air_density * air.frontal_area
     p["drag"] = area * air.drag_coefficient  # D_a of eq. 28
     p["side_force"] = area * air.side_force_coefficient
+    p["side_force_position"] = air.side_force_position
     p["lift_front"], p["lift_rear"] = area * air.lift_coefficient_front, area * air.lift_coefficient_rear
     p["drag_height"] = air.drag_height
 
 
-def _write_contact(p: Record, i: int, tyre: CurveTyre | TirTyre) -> None:
+def _write_contact(p: Record, i: int, tyre: AnyTyre) -> None:
     contact = tyre.contact
+    if isinstance(tyre, TirTyre):
+        fill_in(tyre)
     p["relaxation_x"][i] = tyre.relaxation_length_longitudinal
     p["relaxation_y"][i] = tyre.relaxation_length_lateral
     p["contact_stiffness_x"][i], p["contact_stiffness_y"][i] = contact.longitudinal_stiffness, contact.lateral_stiffness

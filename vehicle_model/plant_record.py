@@ -7,6 +7,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from vehicle_model.suspension_file import MOST_DAMPER_POINTS
+
 Record: TypeAlias = Any
 """An element of an array with one of the dtypes below (or a road's), its fields as attributes in compiled code."""
 
@@ -31,6 +33,28 @@ PARAMETER_RECORD = np.dtype(
         ("compression_damping", "f8", (4,)),
         ("rebound_damping", "f8", (4,)),
         ("anti_roll_rate", "f8", (4,)),
+        ("damping_scale", "f8", (4,)),
+        ("damper_points", "i8", (4,)),  # of the curve; 0: two rates
+        ("damper_speeds", "f8", (4, MOST_DAMPER_POINTS)),
+        ("damper_forces", "f8", (4, MOST_DAMPER_POINTS)),
+        ("stops", "i8", (4,)),  # 1 where there is a stop
+        ("bump_clearance", "f8", (4,)),
+        ("bump_rate", "f8", (4,)),
+        ("bump_progression", "f8", (4,)),
+        ("rebound_clearance", "f8", (4,)),
+        ("rebound_rate", "f8", (4,)),
+        ("adaptive", "i8"),
+        ("skyhook_damping", "f8"),
+        ("soft_scale", "f8"),
+        ("firm_scale", "f8"),
+        ("valve_time_constant", "f8"),
+        # guidance of the wheels: what a wheel does while it travels by 1 m along the body's z axis
+        ("guided", "i8", (4,)),  # 1 where the wheel moves along another line than that axis
+        ("slide_x", "f8", (4,)),
+        ("slide_y", "f8", (4,)),
+        ("carrier_pitch", "f8", (4,)),  # rad/m
+        ("camber", "f8", (4,)),  # inclination of the wheel against the body at rest, top to the right positive
+        ("camber_gain", "f8", (4,)),  # rad/m
         # steering
         ("steering_ratio", "f8"),
         ("steering_offset", "f8"),
@@ -56,6 +80,7 @@ PARAMETER_RECORD = np.dtype(
         # air: dynamic pressure over speed squared, times area and coefficient
         ("drag", "f8"),
         ("side_force", "f8"),
+        ("side_force_position", "f8"),
         ("lift_front", "f8"),
         ("lift_rear", "f8"),
         ("drag_height", "f8"),
@@ -76,6 +101,9 @@ STATE_RECORD = np.dtype(
         ("yaw", "f8"),
         ("hub", "f8", (4, 3)),  # wheel centre from the body's origin
         ("hub_velocity", "f8", (4, 3)),
+        ("slide", "f8", (4, 3)),  # movement of the wheel centre per travel
+        ("carrier_spin", "f8", (4,)),  # turning of the carrier against the body about the spin axis, by its travel
+        ("carrier_cosine", "f8", (4,)),  # of the angle between the spin axis and the body's y axis
         ("forward", "f8", (4, 2)),  # wheel heading in the road's plane
         ("axis_z", "f8", (4,)),  # vertical component of the spin axis: sine of the camber
         ("carrier_rate", "f8", (4,)),  # turning of the wheel carrier about the spin axis
@@ -87,6 +115,7 @@ STATE_RECORD = np.dtype(
         ("hub_rate_before", "f8", (4,)),
         ("steer_rate_before", "f8", (2,)),
         ("carrier_rate_before", "f8", (4,)),
+        ("carrier_spin_before", "f8", (4,)),
         ("moment_before", "f8", (3,)),
         # first moment of mass about the body's origin, road axes
         ("moment", "f8", (3,)),
@@ -97,6 +126,7 @@ STATE_RECORD = np.dtype(
         ("new_spin", "f8", (4,)),
         ("ground_force", "f8", (4, 2)),  # tyre force in road axes
         ("damper_force", "f8", (4,)),
+        ("valve", "f8", (4,)),  # factor of an adaptive damper; 0 before its first step
         ("steer_torque", "f8", (2,)),
         ("air_power", "f8"),
         ("force_x", "f8", (4,)),
@@ -109,6 +139,8 @@ STATE_RECORD = np.dtype(
         ("acceleration", "f8", (3,)),
         ("grade", "f8"),
         ("bank", "f8"),
+        ("road_height", "f8", (4,)),  # unevenness under the wheels, and its slope along the road
+        ("road_slope", "f8", (4,)),
         # energy
         ("gravity_energy", "f8"),
         ("brake_energy", "f8"),

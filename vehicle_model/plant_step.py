@@ -12,16 +12,38 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from vehicle_model.body_forces import add_air, add_steering, add_suspension, add_tyres, clear, vertical_loads
+from signals.record_memory import pointer
+from vehicle_model.body_forces import add_air, add_steering, add_tyres, clear, vertical_loads
 from vehicle_model.energy import account, keep_before, update_first_moment
-from vehicle_model.external_mujoco import mj_step, pointer
+from vehicle_model.external_mujoco import mj_step
 from vehicle_model.kinematics import update_kinematics
 from vehicle_model.plant_outputs import write_outputs
-from vehicle_model.plant_record import PARAMETER_RECORD, POSITIONS, STATE_RECORD, VELOCITIES, VELOCITY_SPIN, Record
-from vehicle_model.road import JUMP_SIZE, PATCH_SIZE, POINT_SIZE, ROAD_RECORD, friction_at, slopes_at, write_gravity
+from vehicle_model.plant_record import (
+    PARAMETER_RECORD,
+    POSITION_TRAVEL,
+    POSITIONS,
+    STATE_RECORD,
+    VELOCITIES,
+    VELOCITY_SPIN,
+    Record,
+)
+from vehicle_model.road import (
+    JUMP_SIZE,
+    PATCH_SIZE,
+    POINT_SIZE,
+    ROAD_RECORD,
+    friction_at,
+    height_at,
+    slopes_at,
+    water_factor_at,
+    write_gravity,
+)
+from vehicle_model.roughness import POINTS
+from vehicle_model.suspension_forces import add_suspension
 from vehicle_model.tyres.coefficients import SURFACE_SIZE, TYRE_SIZE
 from vehicle_model.tyres.kernel import PEAK_FORCE_X, PREPARED_SIZE, prepare
 from vehicle_model.wheel_step import spin_wheel
+from vehicle_model.wind import wind_at
 
 TICK_S = 1e-3
 
@@ -42,12 +64,26 @@ ADDRESS_NAMES = (
     "patches",
     "points",
     "surfaces",
+    "heights",
     "outputs",
 )
 _MODEL, _DATA, _Q, _V, _FORCE, _GRAVITY, _PARAMETERS, _STATE = range(8)
-_TYRES, _PREPARED, _ROAD, _JUMPS, _PATCHES, _POINTS, _SURFACES, _OUTPUTS = range(8, 16)
+_TYRES, _PREPARED, _ROAD, _JUMPS, _PATCHES, _POINTS, _SURFACES, _HEIGHTS, _OUTPUTS = range(8, 17)
 
 _OUTPUT_COUNT = 128
+
+
+@njit(cache=True)
+def _meet_road(s: Record, q: NDArray[np.float64], addresses: NDArray[np.int64]) -> None:
+    """Unevenness under each wheel; left and right wheels keep to their own track."""
+    road = numba.carray(pointer(addresses[_ROAD]), 1, ROAD_RECORD)[0]
+    if road.rough == 0:
+        for i in range(4):
+            s.road_height[i] = s.road_slope[i] = 0.0
+        return
+    heights = numba.carray(pointer(addresses[_HEIGHTS]), (2, POINTS), numba.float64)
+    for i in range(4):
+        s.road_height[i], s.road_slope[i] = height_at(heights, i & 1, q[0] + s.hub[i, 0])
 
 
 @njit(cache=True)
@@ -70,10 +106,15 @@ def _prepare_tyres(
     s.grade, s.bank = slopes_at(road, points, q[0])
     write_gravity(road.gravity, s.grade, s.bank, gravity)
     for i in range(4):
-        friction, surface = friction_at(road, jumps, patches, q[0] + s.hub[i, 0], q[1] + s.hub[i, 1], time)
+        x, y = q[0] + s.hub[i, 0], q[1] + s.hub[i, 1]
+        friction, surface = friction_at(road, jumps, patches, x, y, time)
         speed = math.sqrt(s.hub_velocity[i, 0] ** 2 + s.hub_velocity[i, 1] ** 2)
+        friction *= water_factor_at(road, patches, x, y, speed)
+        speed = math.copysign(speed, s.forward[i, 0] * s.hub_velocity[i, 0] + s.forward[i, 1] * s.hub_velocity[i, 1])
         load = max(s.load[i], 1e-3)
         camber = math.asin(s.axis_z[i])
+        if p.camber[i] != 0.0 or p.camber_gain[i] != 0.0:
+            camber += p.camber[i] + p.camber_gain[i] * q[POSITION_TRAVEL[i]]
         prepare(tyres[i], surfaces[surface], friction * p.friction_factor[i], load, speed, camber, prepared[i])
         s.peak_friction[i] = prepared[i, PEAK_FORCE_X] / load
 
@@ -98,24 +139,26 @@ def _integrate(
     tyres = numba.carray(pointer(addresses[_TYRES]), (4, TYRE_SIZE), numba.float64)
     road = numba.carray(pointer(addresses[_ROAD]), 1, ROAD_RECORD)[0]
 
+    _meet_road(s, q, addresses)
     vertical_loads(p, s, q)
     _prepare_tyres(p, s, q, addresses, time)
     for i in range(4):
         heading_x, heading_y = s.forward[i, 0], s.forward[i, 1]
         at_x, at_y = s.contact_velocity[i, 0], s.contact_velocity[i, 1]
         along, across = heading_x * at_x + heading_y * at_y, heading_x * at_y - heading_y * at_x
-        spin = v[VELOCITY_SPIN[i]]
+        spin = v[VELOCITY_SPIN[i]] - s.carrier_spin[i]
         s.new_spin[i] = spin_wheel(
             p, s, i, tyres[i], prepared[i], spin, max(brake[i], 0.0), drive[i], along, across, step
         )
 
     clear(force)
-    add_suspension(p, s, q, v, force)
+    add_suspension(p, s, q, v, force, step)
     add_steering(p, s, q, v, steer, force)
     add_tyres(p, s, q, force)
-    add_air(p, s, v, q[2], road.wind_x, road.wind_y, force)
+    wind_x, wind_y = wind_at(road, time)
+    add_air(p, s, v, q[2], wind_x, wind_y, force)
     for i in range(4):
-        change = (s.new_spin[i] - v[VELOCITY_SPIN[i]]) / step + s.carrier_acceleration[i]
+        change = (s.new_spin[i] - (v[VELOCITY_SPIN[i]] - s.carrier_spin[i])) / step + s.carrier_acceleration[i]
         force[VELOCITY_SPIN[i]] = p.spin_inertia[i] * change
 
     keep_before(s, v)
@@ -123,6 +166,9 @@ def _integrate(
     for i in range(4):
         v[VELOCITY_SPIN[i]] = s.new_spin[i]
     update_kinematics(p, s, q, v)
+    for i in range(4):
+        if p.carrier_pitch[i] != 0.0:
+            v[VELOCITY_SPIN[i]] += s.carrier_spin[i]
     update_first_moment(p, s)
     account(p, s, v, gravity, step)
     for i in range(4):
@@ -166,6 +212,7 @@ def advance(
         s.acceleration[0] = (v[0] - start_x) / TICK_S
         s.acceleration[1] = (v[1] - start_y) / TICK_S
         s.acceleration[2] = (v[2] - start_z) / TICK_S
+    _meet_road(s, q, addresses)
     write_outputs(p, s, q, v, out)
 
 
@@ -179,6 +226,7 @@ def refresh(addresses: NDArray[np.int64], time: float) -> None:
     out = numba.carray(pointer(addresses[_OUTPUTS]), _OUTPUT_COUNT, numba.float64)
     update_kinematics(p, s, q, v)
     update_first_moment(p, s)
+    _meet_road(s, q, addresses)
     vertical_loads(p, s, q)
     _prepare_tyres(p, s, q, addresses, time)
     write_outputs(p, s, q, v, out)
@@ -193,9 +241,10 @@ def support_forces(addresses: NDArray[np.int64], steer: float, time: float) -> N
     v = numba.carray(pointer(addresses[_V]), VELOCITIES, numba.float64)
     force = numba.carray(pointer(addresses[_FORCE]), VELOCITIES, numba.float64)
     update_kinematics(p, s, q, v)
+    _meet_road(s, q, addresses)
     vertical_loads(p, s, q)
     _prepare_tyres(p, s, q, addresses, time)
     clear(force)
-    add_suspension(p, s, q, v, force)
+    add_suspension(p, s, q, v, force, 0.0)
     add_steering(p, s, q, v, steer, force)
     add_tyres(p, s, q, force)

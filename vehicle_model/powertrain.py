@@ -8,10 +8,11 @@ different parts of the bench, couple through a torque that changes slowly compar
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import carray, njit
 from numpy.typing import NDArray
 
 from signals.errors import InputError
+from signals.record_memory import addresses_of, pointer
 from vehicle_model import parameters
 from vehicle_model.interface import TIME_STEP_S
 from vehicle_model.vehicle_file import VehicleFile
@@ -73,8 +74,7 @@ def _engine_torque(p: Any, s: Any, accelerator: float) -> float:
 
 @njit(cache=True)
 def powertrain_step(
-    p_rows: Any,
-    s_rows: Any,
+    records: Any,
     wheel_speed: NDArray[np.float64],
     out: NDArray[np.float64],
     accelerator: float,
@@ -82,7 +82,8 @@ def powertrain_step(
     gear: float,
 ) -> None:
     """Advance by 1 ms; see `Powertrain.tick`."""
-    p, s = p_rows[0], s_rows[0]
+    p = carray(pointer(records[0]), 1, PARAMETER_RECORD)[0]
+    s = carray(pointer(records[1]), 1, STATE_RECORD)[0]
     number = min(max(int(gear), 0), p.gears)
     ratio = p.ratio[number]
     output_speed = 0.0
@@ -146,6 +147,7 @@ class Powertrain:
             raise InputError("driveline.gear_ratios: too many", allowed=f"at most {MOST_GEARS}")
         self._parameters: NDArray[np.void] = np.zeros(1, PARAMETER_RECORD)
         self._state: NDArray[np.void] = np.zeros(1, STATE_RECORD)
+        self._records = addresses_of(self._parameters, self._state)
         self._fill()
 
     def reset(self) -> None:
@@ -173,7 +175,7 @@ class Powertrain:
         out : shape (6,)
             Block "powertrain" of the signal catalogue.
         """
-        powertrain_step(self._parameters, self._state, wheel_speed, out, accelerator, clutch, gear)
+        powertrain_step(self._records, wheel_speed, out, accelerator, clutch, gear)
 
     def names(self) -> tuple[str, ...]:
         """Dotted paths of all parameters (``driveline.engine.inertia``)."""
@@ -202,5 +204,4 @@ class Powertrain:
         row["ratio"][1 : len(line.gear_ratios) + 1] = np.multiply(line.gear_ratios, line.final_drive)
         row["efficiency"], row["clutch_torque"] = line.efficiency, line.clutch_torque
         row["stiffness"], row["damping"] = line.shaft_stiffness, line.shaft_damping
-        front = {"front": 1.0, "rear": 0.0, "all": line.front_share}[line.drive]
-        row["wheel_share"] = (front / 2.0, front / 2.0, (1.0 - front) / 2.0, (1.0 - front) / 2.0)
+        row["wheel_share"] = line.wheel_share()

@@ -8,9 +8,7 @@ from numpy.typing import NDArray
 
 from signals.errors import InputError
 from signals.wheels import WHEELS
-
-_TRANSVERSE_OVER_SPIN = 0.6
-"""Inertia of wheel and carrier about a diameter over that about the spin axis; a thin disc has 0.5 (assumed)."""
+from vehicle_model.inertias import TRANSVERSE_OVER_SPIN
 
 
 @dataclass(frozen=True)
@@ -74,7 +72,7 @@ def rigid_bodies(values: Mapping[str, float], at_rest: Mapping[str, float]) -> R
     mass = values["body.mass"]
     unsprung = np.array([values[f"wheels.{wheel}.unsprung_mass"] for wheel in WHEELS])
     spin = np.array([values[f"wheels.{wheel}.inertia"] for wheel in WHEELS])
-    transverse = _TRANSVERSE_OVER_SPIN * spin
+    transverse = TRANSVERSE_OVER_SPIN * spin
     sprung_mass = mass - unsprung.sum()
     if sprung_mass <= 0.0:
         raise InputError(f"body.mass: found {mass:g} kg, allowed: more than the unsprung {unsprung.sum():g} kg")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from vehicle_model import parameters
 from vehicle_model.plant_record import Record
 from vehicle_model.road_file import RoadFile, Surface
+from vehicle_model.roughness import POINTS, SPACING_M, two_tracks
 from vehicle_model.tyres.coefficients import (
     SURFACE_CURVE,
     SURFACE_FACTOR,
@@ -22,6 +23,7 @@ from vehicle_model.tyres.coefficients import (
     SURFACE_SIZE,
     write_curve,
 )
+from vehicle_model.wet_friction import wet_factor
 
 ROAD_RECORD = np.dtype(
     [
@@ -34,17 +36,27 @@ ROAD_RECORD = np.dtype(
         ("bank", "f8"),
         ("wind_x", "f8"),
         ("wind_y", "f8"),
+        ("gust_x", "f8"),
+        ("gust_y", "f8"),
+        ("gust_start", "f8"),
+        ("gust_duration", "f8"),
+        ("gust_period", "f8"),
         ("gravity", "f8"),
         ("jumps", "i8"),
         ("patches", "i8"),
         ("points", "i8"),
         ("surfaces", "i8"),
+        ("rough", "i8"),
+        ("wet", "i8"),
+        ("water_film", "f8"),
+        ("tread_wear", "f8"),
+        ("speed_share", "f8"),
     ],
     align=True,
 )
 # rows of the tables
 JUMP_BY_TIME, JUMP_AT, JUMP_FRICTION, JUMP_TRANSITION, JUMP_SURFACE, JUMP_SIZE = 0, 1, 2, 3, 4, 5
-PATCH_FRICTION, PATCH_SURFACE, PATCH_SIZE = 4, 5, 6
+PATCH_FRICTION, PATCH_SURFACE, PATCH_WATER, PATCH_SIZE = 4, 5, 6, 7
 POINT_SIZE = 3
 _NONE = -1
 
@@ -63,6 +75,8 @@ class RoadTables:
     jumps, patches, points, surfaces : two-dimensional arrays
         Jumps (those by position before those by time, each in rising order), patches in file order, points of the
         profile, surfaces.
+    heights : shape (2, POINTS), m
+        Of the left and the right track, see ``vehicle_model.roughness``; zero on a smooth road.
     """
 
     def __init__(self, road: RoadFile) -> None:
@@ -74,6 +88,9 @@ class RoadTables:
         self.patches = np.zeros((len(road.patches), PATCH_SIZE))
         self.points = np.zeros((len(road.profile), POINT_SIZE))
         self.surfaces = np.zeros((len(self._surfaces), SURFACE_SIZE))
+        self.heights = np.zeros((2, POINTS))
+        self._unit_heights = self.heights  # of a road whose level is 1 m^3
+        self._unit_heights_of: tuple[float, ...] = ()
         self._fill()
 
     def names(self) -> Iterator[str]:
@@ -105,9 +122,19 @@ class RoadTables:
         self.record["side_surface"] = (self._surface(road.right.surface), self._surface(road.left.surface))
         self.record["grade"], self.record["bank"] = road.grade, road.bank
         self.record["wind_x"], self.record["wind_y"] = road.wind_speed_x, road.wind_speed_y
+        gust = road.gust
+        self.record["gust_x"], self.record["gust_y"] = gust.speed_x, gust.speed_y
+        self.record["gust_start"], self.record["gust_duration"] = gust.start, gust.duration
+        self.record["gust_period"] = gust.period
         self.record["gravity"] = road.gravity
         self.record["jumps"], self.record["patches"] = len(self.jumps), len(self.patches)
         self.record["points"], self.record["surfaces"] = len(self.points), len(self.surfaces)
+        water = road.water
+        self.record["water_film"], self.record["tread_wear"] = water.film, water.tread_wear
+        self.record["speed_share"] = water.speed_dependence
+        films = [patch.water_film for patch in road.patches if patch.water_film is not None]
+        self.record["wet"] = any(value != 0.0 for value in (water.film, water.speed_dependence, *films))
+        self._fill_heights()
         rows = [
             (
                 0.0 if jump.time is None else 1.0,
@@ -122,11 +149,22 @@ class RoadTables:
             self.jumps[:] = sorted(rows, key=lambda row: (row[0], row[1]))
         for number, patch in enumerate(road.patches):
             corners = (patch.x_from, patch.x_to, patch.y_from, patch.y_to)
-            self.patches[number] = (*corners, patch.friction, self._surface(patch.surface))
+            film = road.water.film if patch.water_film is None else patch.water_film
+            self.patches[number] = (*corners, patch.friction, self._surface(patch.surface), film)
         for number, point in enumerate(road.profile):
             self.points[number] = (point.position, point.grade, point.bank)
         for surface, row in zip(self._surfaces.values(), self.surfaces, strict=True):
             _write_surface(surface, row)
+
+    def _fill_heights(self) -> None:
+        rough = self.road.roughness
+        self.record["rough"] = rough.level != 0.0
+        if rough.level == 0.0:
+            return
+        wanted = (rough.waviness, rough.track, rough.realisation)
+        if wanted != self._unit_heights_of:
+            self._unit_heights, self._unit_heights_of = two_tracks(1.0, *wanted), wanted
+        self.heights[:] = math.sqrt(rough.level) * self._unit_heights
 
 
 def _write_surface(surface: Surface, row: NDArray[np.float64]) -> None:
@@ -176,6 +214,33 @@ def friction_at(
     if road.side_surface[side] >= 0:
         surface = road.side_surface[side]
     return factor * (by_place * by_time) * road.side_friction[side], surface
+
+
+@njit(cache=True)
+def water_factor_at(road: Record, patches: NDArray[np.float64], x: float, y: float, speed: float) -> float:
+    """Factor on friction for the water at a place and the wheel's speed [m/s]; exactly 1 on a dry road."""
+    if road.wet == 0:
+        return 1.0
+    depth = road.water_film
+    for k in range(road.patches - 1, -1, -1):
+        if patches[k, 0] <= x < patches[k, 1] and patches[k, 2] <= y < patches[k, 3]:
+            depth = patches[k, PATCH_WATER]
+            break
+    return wet_factor(road, depth, speed)
+
+
+@njit(cache=True)
+def height_at(heights: NDArray[np.float64], side: int, x: float) -> tuple[float, float]:
+    """Height [m] and slope of a track (0 left, 1 right) at a place: a cubic through four points, its slope smooth."""
+    place = x / SPACING_M
+    whole = math.floor(place)
+    t = place - whole
+    k = int(whole)
+    a, b = heights[side, (k - 1) & (POINTS - 1)], heights[side, k & (POINTS - 1)]
+    c, d = heights[side, (k + 1) & (POINTS - 1)], heights[side, (k + 2) & (POINTS - 1)]
+    # Catmull-Rom: the slope at a point is that of the line through its neighbours
+    p, q, r = 0.5 * (c - a), a - 2.5 * b + 2.0 * c - 0.5 * d, 1.5 * (b - c) + 0.5 * (d - a)
+    return b + t * (p + t * (q + t * r)), (p + t * (2.0 * q + 3.0 * t * r)) / SPACING_M
 
 
 @njit(cache=True)

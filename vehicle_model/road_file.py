@@ -1,4 +1,4 @@
-"""Road files: friction by position and time, split and patches, surfaces, grade and bank, wind."""
+"""Road files: friction by position and time, split and patches, surfaces, water, grade and bank, roughness, wind."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -14,6 +14,7 @@ from signals.quantities import FileModel, parameter
 from signals.yaml_files import load_yaml, validate
 from vehicle_model import parameters
 from vehicle_model.parameters import ParameterInfo
+from vehicle_model.roughness_classes import CLASS_LEVELS
 from vehicle_model.tyres.tyre_file import BurckhardtCurve, MagicFormulaCurve
 
 ROADS = Path(__file__).parent / "roads"
@@ -35,6 +36,18 @@ class Surface(FileModel):
         if (self.factor is None) == (self.curve is None):
             raise FieldError("needs one of factor and curve", allowed="factor, or curve in its place")
         return self
+
+    def peak_friction(self) -> float:
+        """Largest friction of the surface at walking pace, for a tyre whose own curve peaks at 1."""
+        if self.curve is None:
+            return 1.0 if self.factor is None else self.factor
+        if isinstance(self.curve, MagicFormulaCurve):
+            return self.curve.peak_friction
+        from vehicle_model.tyres.coefficients import burckhardt_peak_slip
+        from vehicle_model.tyres.curves import burckhardt
+
+        curve = self.curve
+        return float(burckhardt(burckhardt_peak_slip(curve), curve.c1, curve.c2, curve.c3, curve.c4, 0.0)[0])
 
 
 class SurfaceFile(FileModel):
@@ -89,6 +102,9 @@ class Patch(FileModel):
     y_to: float = parameter("m", 1000.0, description="left edge")
     friction: float = parameter("1", 1.0, low=0.0, high=3.0, description="factor on the patch")
     surface: str | None = None
+    water_film: float | None = parameter(
+        "m", None, low=0.0, high=0.1, description="depth of the water here; without it the road's"
+    )
 
     @model_validator(mode="after")
     def _ordered(self) -> "Patch":
@@ -103,6 +119,66 @@ class ProfilePoint(FileModel):
     position: float = parameter("m", description="place along the road")
     grade: float = parameter("1", 0.0, low=-0.5, high=0.5, description="rise over run, uphill positive: 10 %")
     bank: float = parameter("1", 0.0, low=-0.5, high=0.5, description="rise over run, left side higher is positive")
+
+
+class Roughness(FileModel):
+    """Unevenness of two wheel tracks after ISO 8608; a smooth road by default."""
+
+    iso_class: Literal["A", "B", "C", "D", "E", "F", "G", "H"] | None = Field(
+        default=None, description="class of ISO 8608, gives the level in the middle of the class"
+    )
+    level: float = parameter(
+        "m^3", 0.0, low=0.0, high=1.0, neutral=0.0, description="displacement spectrum at 0.1 cycles/m, 0 is smooth"
+    )
+    waviness: float = parameter("1", 2.0, low=1.2, high=3.5, description="exponent of the spectrum", source="ISO 8608")
+    track: float = parameter("m", 1.5, low=0.1, high=5.0, description="distance of the left from the right track")
+    realisation: int = Field(default=1, ge=0, le=2**32 - 1, description="which stretch of road with these statistics")
+
+    @model_validator(mode="after")
+    def _class_level(self) -> "Roughness":
+        if self.iso_class is None:
+            return self
+        level = CLASS_LEVELS[self.iso_class]
+        if self.level == 0.0:
+            object.__setattr__(self, "level", level)
+        elif self.level != level:
+            raise FieldError(
+                f"not that of class {self.iso_class}", at=("level",), allowed=f"{level:g} m^3, or no iso_class"
+            )
+        return self
+
+
+class Water(FileModel):
+    """Water on the road and friction that falls with speed (Table 1 of the friction document); dry by default."""
+
+    film: float = parameter("m", 0.0, low=0.0, high=0.1, neutral=0.0, description="depth of the water: 1 mm")
+    tread_wear: float = parameter(
+        "1", 0.0, low=0.0, high=1.0, description="0 new tyres, 1 used ones with at least 1.6 mm"
+    )
+    speed_dependence: float = parameter(
+        "1",
+        0.0,
+        low=0.0,
+        high=1.0,
+        neutral=0.0,
+        description="share of the table's fall of dry friction with speed that is applied",
+    )
+
+
+class Gust(FileModel):
+    """A gust on top of the steady wind: it rises to its peak and falls again as (1 - cos)/2."""
+
+    speed_x: float = parameter(
+        "m/s", 0.0, low=-60.0, high=60.0, neutral=0.0, description="peak along the road, beyond the steady wind"
+    )
+    speed_y: float = parameter(
+        "m/s", 0.0, low=-60.0, high=60.0, neutral=0.0, description="peak to the left, beyond the steady wind"
+    )
+    start: float = parameter("s", 0.0, low=0.0, high=3600.0, description="time of the run at which it rises")
+    duration: float = parameter(
+        "s", 2.0, low=0.05, high=600.0, description="from calm to calm", source="assumed: usual beside a gap in a wood"
+    )
+    period: float = parameter("s", 0.0, low=0.0, high=3600.0, neutral=0.0, description="between gusts; 0 for one alone")
 
 
 class RoadFile(FileModel):
@@ -126,10 +202,13 @@ class RoadFile(FileModel):
     )
     profile: list[ProfilePoint] = Field(default_factory=list)
     surfaces: dict[str, Surface] = Field(default_factory=dict)
+    roughness: Roughness = Field(default_factory=Roughness)
+    water: Water = Field(default_factory=Water)
     wind_speed_x: float = parameter(
         "m/s", 0.0, low=-60.0, high=60.0, neutral=0.0, description="of the air along the road"
     )
     wind_speed_y: float = parameter("m/s", 0.0, low=-60.0, high=60.0, neutral=0.0, description="of the air to the left")
+    gust: Gust = Field(default_factory=Gust)
     gravity: float = parameter("m/s^2", 9.81, low=0.0, high=30.0, description="", source="friction document")
 
     @model_validator(mode="after")

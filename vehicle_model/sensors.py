@@ -9,6 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signals.catalogue import block_slice, index_of
+from signals.quantities import FileModel
+from signals.record_memory import addresses_of
+from signals.wheels import WHEELS
 from vehicle_model import parameters
 from vehicle_model import sensors_record as record
 from vehicle_model.interface import TIME_STEP_S
@@ -18,14 +21,32 @@ from vehicle_model.vehicle_file import VehicleFile
 
 # ticks that noise is drawn for in advance: few, so that no tick has to draw for long
 _NOISE_ROWS = 64
-_TONE_RINGS, _NOISE = 1, 2
-_SOURCES = {"sensor": record.SENSOR, "noise_free": record.NOISE_FREE, "ideal": record.IDEAL}
+_TONE_RINGS, _NOISE, _CONTACTS = 1, 2, 3
+_SOURCES = {
+    "cluster_can": record.SENSOR,
+    "noisy": record.SENSOR,
+    "noise_free": record.NOISE_FREE,
+    "ideal": record.IDEAL,
+}
+_OF_THE_EDGES = tuple(f"sensors.wheel_speed.{name}" for name in ("teeth", "pitch_error", "eccentricity"))
+_CHANNEL_FIELDS = (
+    "scale",
+    "offset",
+    "noise",
+    "resolution",
+    "drift",
+    "stuck",
+    "dropout_rate",
+    "dropout_duration",
+)
 _CHANNEL_SECTIONS = (
     *record.CHANNEL_SIGNALS[: record.BRAKE_PRESSURE],
     *(4 * ("brake_pressure",)),
     "pedal_force",
     "steering_wheel_angle",
 )
+_OF_THE_CAR = ("driveline.final_drive", "driveline.front_share", "steering.ratio")
+"""Parameters of other sections that the sensors' signals follow."""
 
 
 class Sensors:
@@ -34,34 +55,41 @@ class Sensors:
     Parameters
     ----------
     vehicle : VehicleFile
-        Its section ``sensors`` is copied; later changes go through ``set``.
+        A copy is kept; later changes go through ``set``.
     seed : int
         Seed of the run. The rings' errors and the noise of each channel have a generator each, so that noise on one
         channel leaves the others' as it is.
     """
 
     def __init__(self, vehicle: VehicleFile, seed: int = 0) -> None:
-        self._sensors = vehicle.sensors.model_copy(deep=True)
+        self._vehicle = vehicle.model_copy(deep=True)
+        self._sensors = self._vehicle.sensors
         self._seed = seed
         self._parameters: NDArray[np.void] = np.zeros(1, record.PARAMETER_RECORD)
         self._state: NDArray[np.void] = np.zeros(1, record.STATE_RECORD)
         self._noise = np.zeros((_NOISE_ROWS, record.CHANNELS + 4))
+        self._contacts = np.ones((_NOISE_ROWS, record.CHANNELS + 4))
+        self._records = addresses_of(self._parameters, self._state)
         self._fill_places()
-        self._fill_car(vehicle)
+        self._fill_car()
         self.reset()
 
     def reset(self) -> None:
         """Back to the start of the run, with the same random numbers."""
         self._state[:] = np.zeros(1, record.STATE_RECORD)
         self._generators = [np.random.default_rng([self._seed, _NOISE, k]) for k in range(record.CHANNELS + 4)]
+        self._contact_generators = [
+            np.random.default_rng([self._seed, _CONTACTS, k]) for k in range(record.CHANNELS + 4)
+        ]
         rings = np.random.default_rng([self._seed, _TONE_RINGS])
         self._tooth_errors = rings.standard_normal((4, MOST_TEETH))
         self._directions = rings.uniform(0.0, TURN, 4)
         self._state[0]["angle"] = rings.uniform(0.0, TURN, 4)
         # long past: the first edge is not the second of a pair
         self._state[0]["edge_time"] = self._state[0]["time_history"] = -1e3
-        self._row = _NOISE_ROWS
+        self._row = self._contact_row = _NOISE_ROWS
         self._noisy: list[int] = []
+        self._loose: list[int] = []
         self._fill()
 
     def tick(self, values: NDArray[np.float64], time_s: float, sensed: NDArray[np.float64]) -> None:
@@ -78,8 +106,11 @@ class Sensors:
         """
         if self._row == _NOISE_ROWS:
             self._draw()
+        if self._contact_row == _NOISE_ROWS:
+            self._draw_contacts()
         self._row += 1
-        sensors_step(self._parameters, self._state, self._edges, self._noise, values, sensed, time_s)
+        self._contact_row += 1
+        sensors_step(self._records, self._edges, self._noise, self._contacts, values, sensed, time_s)
 
     def _draw(self) -> None:
         """Draw the noise of the coming ticks, only for channels that have some."""
@@ -89,18 +120,35 @@ class Sensors:
         self._row = 0
         self._state[0]["row"] = 0
 
+    def _draw_contacts(self) -> None:
+        """Draw for the loose contacts; every other contact keeps numbers that never open it."""
+        self._contacts[:] = 1.0
+        for channel in self._loose:
+            self._contacts[:, channel] = self._contact_generators[channel].random(_NOISE_ROWS)
+        self._contact_row = 0
+        self._state[0]["contact_row"] = 0
+
     def names(self) -> tuple[str, ...]:
-        """Dotted paths of all parameters (``sensors.yaw_rate.offset``)."""
-        return tuple(parameters.numbers(self._sensors, "sensors."))
+        """Dotted paths of all parameters (``sensors.yaw_rate.offset``) and of those of the car that signals follow."""
+        return (*parameters.numbers(self._sensors, "sensors."), *_OF_THE_CAR)
 
     def get(self, path: str) -> float:
         """Value of one parameter, SI; InputError if there is none of that path."""
-        return parameters.get_parameter(self._sensors, path, "sensors.")
+        model, prefix = self._owner(path)
+        return parameters.get_parameter(model, path, prefix)
 
     def set(self, path: str, value: float) -> None:
         """Change one parameter from the next tick on; InputError if there is none or the value is out of range."""
-        parameters.set_parameter(self._sensors, path, value, "sensors.")
-        self._fill(rings=path.startswith("sensors.wheel_speed."))
+        model, prefix = self._owner(path)
+        parameters.set_parameter(model, path, value, prefix)
+        if path in _OF_THE_CAR:
+            self._fill_car()
+        else:
+            self._fill(path)
+
+    def _owner(self, path: str) -> tuple[FileModel, str]:
+        section = path.partition(".")[0] if path in _OF_THE_CAR else "sensors"
+        return getattr(self._vehicle, section), f"{section}."
 
     def _fill_places(self) -> None:
         row, bus = self._parameters[0], block_slice("bus").start
@@ -110,32 +158,51 @@ class Sensors:
             row[f"to_{name}"] = index_of(name) - bus
         row["to_channel"] = [index_of(name) - bus for name in record.CHANNEL_SIGNALS]
 
-    def _fill_car(self, vehicle: VehicleFile) -> None:
-        row, line = self._parameters[0], vehicle.driveline
+    def _fill_car(self) -> None:
+        row, line = self._parameters[0], self._vehicle.driveline
         row["final_drive"] = line.final_drive
-        front = {"front": 1.0, "rear": 0.0, "all": line.front_share}[line.drive]
-        row["wheel_share"] = (front / 2.0, front / 2.0, (1.0 - front) / 2.0, (1.0 - front) / 2.0)
-        row["steering_ratio"] = vehicle.steering.ratio
+        row["wheel_share"] = line.wheel_share()
+        row["steering_ratio"] = self._vehicle.steering.ratio
 
-    def _fill(self, *, rings: bool = True) -> None:
+    def _fill(self, changed: str = "") -> None:
+        """Write the parameters into the record; what ``changed`` cannot touch and takes long to compute is left."""
         row, sensors = self._parameters[0], self._sensors
         row["acceleration_source"] = _SOURCES[sensors.acceleration_source]
         for channel, name in enumerate(_CHANNEL_SECTIONS):
             sensor = getattr(sensors, name)
-            for field in ("scale", "offset", "noise", "resolution"):
+            for field in _CHANNEL_FIELDS:
                 row[field][channel] = getattr(sensor, field)
             row["delay_ticks"][channel] = sensor.delay / TIME_STEP_S
+        self._fill_pressure_faults()
+        if sensors.acceleration_source == "noisy":
+            own = sensors.longitudinal_acceleration.noise
+            row["noise"][record.ACCELERATION_X] = math.hypot(own, sensors.noisy_acceleration)
         unit = sensors.inertial
         row["place"] = unit.position_x, unit.position_y, unit.position_z
-        row["transition"], row["entry"] = low_pass_matrices(unit.cut_off_frequency, unit.damping_ratio)
+        if not changed or changed.startswith("sensors.inertial."):
+            row["transition"], row["entry"] = low_pass_matrices(unit.cut_off_frequency, unit.damping_ratio)
+        row["mounting"] = unit.mounting_roll, unit.mounting_pitch, unit.mounting_yaw
         row["brake_switch_force"] = sensors.brake_switch_force
-        if rings:
-            self._fill_rings()
+        self._fill_rings()
+        if not changed or changed in _OF_THE_EDGES:
+            self._place_edges()
         noisy = [int(channel) for channel in np.flatnonzero(row["noise"])]
         if row["edge_jitter"] > 0.0:
             noisy += range(record.CHANNELS, record.CHANNELS + 4)
+        loose = [int(channel) for channel in np.flatnonzero(row["dropout_rate"])]
+        if loose != self._loose:
+            self._loose, self._contact_row = loose, _NOISE_ROWS
         if noisy != self._noisy:
             self._noisy, self._row = noisy, _NOISE_ROWS
+
+    def _fill_pressure_faults(self) -> None:
+        row = self._parameters[0]
+        for wheel, name in enumerate(WHEELS):
+            fault, channel = getattr(self._sensors.brake_pressure, name), record.BRAKE_PRESSURE + wheel
+            row["scale"][channel] *= fault.scale
+            for field in ("offset", "drift", "dropout_rate"):
+                row[field][channel] += getattr(fault, field)
+            row["stuck"][channel] = max(row["stuck"][channel], fault.stuck)
 
     def _fill_rings(self) -> None:
         row, ring = self._parameters[0], self._sensors.wheel_speed
@@ -143,6 +210,18 @@ class Sensors:
         row["timer_resolution"], row["edge_jitter"] = ring.timer_resolution, ring.edge_jitter
         row["window_ticks"] = min(max(round(ring.window / TIME_STEP_S), 1), HISTORY_TICKS - 1)
         row["standstill_timeout"] = ring.standstill_timeout
+        row["ring_radius"], row["threshold_speed"] = ring.ring_radius, ring.threshold_speed
+        for wheel, name in enumerate(WHEELS):
+            row["missing_teeth"][wheel] = getattr(ring, f"missing_teeth_{name}")
+            row["air_gap"][wheel] = getattr(ring, f"air_gap_{name}")
+            row["connected"][wheel] = round(getattr(ring, f"connected_{name}"))
+            row["ring_scale"][wheel] = getattr(ring, f"scale_{name}")
+            for field in ("stuck", "dropout_rate"):
+                row[field][record.CHANNELS + wheel] = getattr(ring, f"{field}_{name}")
+            row["dropout_duration"][record.CHANNELS + wheel] = ring.dropout_duration
+
+    def _place_edges(self) -> None:
+        ring = self._sensors.wheel_speed
         self._edges = np.array(
             [
                 edge_angles(ring.teeth, ring.pitch_error, ring.eccentricity, errors, direction)

@@ -33,6 +33,7 @@ INPUT_SIGNALS = (
     "true_lateral_acceleration",
     "true_vertical_acceleration",
     "true_wheel_speed_fl",
+    "true_road_wheel_angle_fl",
     "road_grade",
     "road_bank",
 )
@@ -63,6 +64,7 @@ OUTPUT_SIGNALS = (
     "drive_torque_f",
     "drive_torque_r",
     "steering_command",
+    "road_wheel_angle",
     "ignition",
 )
 
@@ -82,6 +84,13 @@ PARAMETER_RECORD = np.dtype(
         ("noise", "f8", (CHANNELS,)),
         ("resolution", "f8", (CHANNELS,)),
         ("delay_ticks", "f8", (CHANNELS,)),
+        ("drift", "f8", (CHANNELS,)),
+        ("stuck", "f8", (CHANNELS + 4,)),  # analogue channels, then wheel-speed sensors
+        ("dropout_rate", "f8", (CHANNELS + 4,)),
+        ("dropout_duration", "f8", (CHANNELS + 4,)),
+        ("mounting", "f8", (3,)),  # roll, pitch, yaw of the inertial unit
+        ("connected", "i8", (4,)),
+        ("ring_scale", "f8", (4,)),
         ("brake_switch_force", "f8"),
         ("final_drive", "f8"),
         ("wheel_share", "f8", (4,)),
@@ -93,6 +102,11 @@ STATE_RECORD = np.dtype(
         *RING_STATE_FIELDS,
         ("started", "i8"),
         ("row", "i8"),  # of the noise that is drawn in advance
+        ("contact_row", "i8"),  # the same for the contacts
+        ("open_ticks", "f8", (CHANNELS + 4,)),  # that a contact stays open
+        ("drifted", "f8", (CHANNELS,)),
+        ("held", "f8", (CHANNELS,)),
+        ("wheel_reports", "f8", (4, 3)),  # speed, count and time that each wheel-speed sensor reports
         ("rates", "f8", (3,)),
         ("low_pass", "f8", (INERTIAL_CHANNELS, 2)),
         ("position", "i8"),

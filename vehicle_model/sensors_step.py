@@ -3,9 +3,11 @@
 import math
 from typing import Any
 
-from numba import njit
+from numba import carray, njit
 
+from signals.record_memory import pointer
 from vehicle_model.interface import TIME_STEP_S
+from vehicle_model.sensor_faults import contact_open, mount, reported, slowest_seen
 from vehicle_model.sensors_record import (
     ACCELERATION_X,
     BRAKE_PRESSURE,
@@ -15,7 +17,9 @@ from vehicle_model.sensors_record import (
     LONGEST_DELAY_TICKS,
     MASTER_PRESSURE,
     NOISE_FREE,
+    PARAMETER_RECORD,
     PEDAL_FORCE,
+    STATE_RECORD,
     STEERING,
 )
 from vehicle_model.tone_ring import COUNTER_WRAP, HISTORY_TICKS, measure_speed, turn_ring
@@ -56,8 +60,10 @@ def _inertial(p: Any, s: Any, values: Any, measured: Any) -> None:
         f_y += a_z * x - a_x * z + w_y * turned - square * y
         f_z += a_x * y - a_y * x + w_z * turned - square * z
     s.rates[0], s.rates[1], s.rates[2] = w_x, w_y, w_z
-    measured[0], measured[1], measured[2] = f_x, f_y, f_z - STANDARD_GRAVITY
+    measured[0], measured[1], measured[2] = f_x, f_y, f_z
     measured[3], measured[4], measured[5] = w_z, w_x, w_y
+    mount(p, measured)
+    measured[2] -= STANDARD_GRAVITY
 
 
 @njit(cache=True)
@@ -91,7 +97,7 @@ def _delayed(p: Any, s: Any, k: int, value: float) -> float:
 
 
 @njit(cache=True)
-def _analogue(p: Any, s: Any, values: Any, noise: Any, sensed: Any) -> None:
+def _analogue(p: Any, s: Any, values: Any, noise: Any, contacts: Any, sensed: Any) -> None:
     measured = s.measured
     _inertial(p, s, values, measured)
     _low_pass(p, s, measured)
@@ -106,7 +112,8 @@ def _analogue(p: Any, s: Any, values: Any, noise: Any, sensed: Any) -> None:
         resolution = p.resolution[k]
         if resolution > 0.0:
             value = math.floor(value / resolution + 0.5) * resolution
-        sensed[p.to_channel[k]] = value
+        is_open = contact_open(p, s, k, contacts[s.contact_row, k])
+        sensed[p.to_channel[k]] = reported(p, s, k, value, is_open)
     if p.acceleration_source == IDEAL:
         sensed[p.to_channel[ACCELERATION_X]] = values[p.true_longitudinal_acceleration]
     elif p.acceleration_source == NOISE_FREE:
@@ -114,16 +121,25 @@ def _analogue(p: Any, s: Any, values: Any, noise: Any, sensed: Any) -> None:
 
 
 @njit(cache=True)
-def _wheels(p: Any, s: Any, edges: Any, noise: Any, values: Any, sensed: Any, time: float) -> None:
+def _wheels(p: Any, s: Any, edges: Any, noise: Any, contacts: Any, values: Any, sensed: Any, time: float) -> None:
     now = time + TIME_STEP_S
     for i in range(4):
         omega = values[p.true_wheel_speed_fl + i]
         if s.started == 0:
             s.omega[i] = omega
+        is_open = contact_open(p, s, CHANNELS + i, contacts[s.contact_row, CHANNELS + i])
+        s.blind[i] = 1 if is_open or abs(omega) < slowest_seen(p, i) else 0
         turn_ring(p, s, i, edges, omega, time, p.edge_jitter * noise[s.row, CHANNELS + i])
-        sensed[p.to_wheel_speed_fl + i] = measure_speed(p, s, i, now)
-        sensed[p.to_wheel_edge_count_fl + i] = s.count[i] & (COUNTER_WRAP - 1)
-        sensed[p.to_wheel_edge_time_fl + i] = s.timer[i]
+        speed = measure_speed(p, s, i, now)
+        if p.stuck[CHANNELS + i] <= 0.5 or s.started == 0:
+            s.wheel_reports[i, 0] = p.ring_scale[i] * speed
+            s.wheel_reports[i, 1] = s.count[i] & (COUNTER_WRAP - 1)
+            s.wheel_reports[i, 2] = s.timer[i]
+    for i in range(4):
+        report = s.wheel_reports[p.connected[i]]
+        sensed[p.to_wheel_speed_fl + i] = report[0]
+        sensed[p.to_wheel_edge_count_fl + i] = report[1]
+        sensed[p.to_wheel_edge_time_fl + i] = report[2]
     s.history_position = (s.history_position + 1) & (HISTORY_TICKS - 1)
 
 
@@ -142,16 +158,19 @@ def _powertrain(p: Any, values: Any, sensed: Any) -> None:
 
 
 @njit(cache=True)
-def sensors_step(parameters: Any, state: Any, edges: Any, noise: Any, values: Any, sensed: Any, time: float) -> None:
+def sensors_step(records: Any, edges: Any, noise: Any, contacts: Any, values: Any, sensed: Any, time: float) -> None:
     """Advance by 1 ms.
 
     Parameters
     ----------
-    parameters, state : shape (1,), dtypes ``PARAMETER_RECORD`` and ``STATE_RECORD``
+    records : shape (2,)
+        Addresses of records of ``PARAMETER_RECORD`` and ``STATE_RECORD``.
     edges : shape (4, teeth)
         Angles of the edges.
     noise : shape (n, CHANNELS + 4)
         Standard normal numbers; each tick takes a row.
+    contacts : shape (n, CHANNELS + 4)
+        Uniform random numbers, likewise.
     values
         The signal vector.
     sensed
@@ -159,13 +178,17 @@ def sensors_step(parameters: Any, state: Any, edges: Any, noise: Any, values: An
     time : s
         Start of the tick.
     """
-    p, s = parameters[0], state[0]
-    _analogue(p, s, values, noise, sensed)
-    _wheels(p, s, edges, noise, values, sensed, time)
+    p = carray(pointer(records[0]), 1, PARAMETER_RECORD)[0]
+    s = carray(pointer(records[1]), 1, STATE_RECORD)[0]
+    _analogue(p, s, values, noise, contacts, sensed)
+    _wheels(p, s, edges, noise, contacts, values, sensed, time)
     _powertrain(p, values, sensed)
     sensed[p.to_brake_switch] = 1.0 if values[p.driver_pedal_force] >= p.brake_switch_force else 0.0
     sensed[p.to_steering_command] = values[p.driver_steering_wheel_angle] / p.steering_ratio
+    left = p.true_road_wheel_angle_fl
+    sensed[p.to_road_wheel_angle] = 0.5 * (values[left] + values[left + 1])
     sensed[p.to_ignition] = 1.0
     s.position = (s.position + 1) & (LONGEST_DELAY_TICKS - 1)
     s.row += 1
+    s.contact_row += 1
     s.started = 1

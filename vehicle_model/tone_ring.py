@@ -29,6 +29,10 @@ RING_FIELDS = [
     ("edge_jitter", "f8"),
     ("window_ticks", "i8"),
     ("standstill_timeout", "f8"),
+    ("ring_radius", "f8"),
+    ("threshold_speed", "f8"),
+    ("missing_teeth", "i8", (4,)),
+    ("air_gap", "f8", (4,)),
 ]
 RING_STATE_FIELDS = [
     ("angle", "f8", (4,)),  # of the wheel, 0 to 2 pi
@@ -41,6 +45,7 @@ RING_STATE_FIELDS = [
     ("history_position", "i8"),
     ("count_history", "i8", (4, HISTORY_TICKS)),
     ("time_history", "f8", (4, HISTORY_TICKS)),
+    ("blind", "i8", (4,)),  # 1 while the sensor sees no edges
 ]
 
 
@@ -113,7 +118,8 @@ def _turn(
     while ahead <= way:
         root = math.sqrt(max(first * first + 2.0 * growth * ahead, 0.0))
         elapsed = min(2.0 * ahead / (first + root), duration) if first + root > 0.0 else duration
-        _note_edge(p, s, i, start + elapsed, jitter)
+        if number >= p.missing_teeth[i] and s.blind[i] == 0:
+            _note_edge(p, s, i, start + elapsed, jitter)
         after = _after(number, teeth) if forward else _before(number, teeth)
         gap = edges[i, after] - edges[i, number] if forward else edges[i, number] - edges[i, after]
         ahead += gap if gap > 0.0 else gap + TURN

@@ -17,9 +17,14 @@ from signals.wheels import WHEELS
 from signals.yaml_files import Document, load_yaml, overlay, validate, walk
 from vehicle_model import parameters
 from vehicle_model.actuation_file import Brakes, Driveline, Hydraulics
-from vehicle_model.body_file import Aerodynamics, Axles, Body, Steering, Suspension, Wheels
+from vehicle_model.body_file import Aerodynamics, Axles, Body, Steering, Wheels
+from vehicle_model.mass_check import check_masses
 from vehicle_model.parameters import ParameterInfo
+from vehicle_model.reference.planar_file import Planar
+from vehicle_model.reference.steered_track_file import SteeredTrackSection
+from vehicle_model.reference.two_track_file import TwoTrackSection
 from vehicle_model.sensors_file import Sensors
+from vehicle_model.suspension_file import Suspension
 from vehicle_model.tyres.tyre_file import TirTyre, TyreFile, TyrePair
 
 VEHICLES = Path(__file__).parent / "vehicles"
@@ -36,6 +41,9 @@ _SECTIONS = (
     "driveline",
     "aerodynamics",
     "sensors",
+    "planar",
+    "two_track",
+    "steered_track",
     "tyres",
 )
 
@@ -72,6 +80,9 @@ class VehicleFile(FileModel):
     driveline: Driveline
     aerodynamics: Aerodynamics
     sensors: Sensors = Sensors()
+    planar: Planar = Planar()
+    two_track: TwoTrackSection = TwoTrackSection()
+    steered_track: SteeredTrackSection = SteeredTrackSection()
     tyres: TyrePair | str
     extensions: list[Extension] = Field(default_factory=list)
     scatter: dict[str, Scatter] = Field(default_factory=dict)
@@ -81,6 +92,7 @@ class VehicleFile(FileModel):
     def _fill_derived(self) -> "VehicleFile":
         if self.aerodynamics.drag_height is None:
             object.__setattr__(self.aerodynamics, "drag_height", self.body.centre_of_gravity_height)
+        check_masses(self.body, self.axles, [getattr(self.wheels, wheel) for wheel in WHEELS])
         for wheel, load in zip(WHEELS, self.static_loads(), strict=True):
             entry = getattr(self.wheels, wheel)
             deflection = entry.unloaded_radius - entry.radius
@@ -196,9 +208,12 @@ def _check_tir_files(document: Document, place: tuple[str, ...], pair: TyrePair)
         if not Path(tyre.tir).exists():
             fault = document.fault((*place, axle, "tir"), "no such .tir file", found=tyre.tir)
             raise FileFaults([fault], document.file)
-        from vehicle_model.tyres.tir_check import read_checked  # brings numpy, which most checks do without
+        # brings numpy, which most checks do without
+        from vehicle_model.tyres.relaxation import fill_in
+        from vehicle_model.tyres.tir_check import read_checked
 
         read_checked(tyre.tir)
+        fill_in(tyre)
 
 
 def _by_name(name_or_path: str | Path, folder: Path, kind: str) -> Path:

@@ -13,6 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from vehicle_model.plant_record import Record
+from vehicle_model.tyres.coefficients import MAGIC_FORMULA
 from vehicle_model.tyres.kernel import (
     PEAK_FORCE_X,
     PEAK_FORCE_Y,
@@ -23,8 +24,20 @@ from vehicle_model.tyres.kernel import (
     across,
     along,
 )
+from vehicle_model.tyres.prepared_row import KIND
 
 _SMALLEST_SPEED = 1e-6
+NEAR_X, NEAR_Y = 1e-5, 1e-6
+"""Changes of slip within a step for which a costly tyre formula is followed along its tangent: 3e-5 of the load."""
+
+_NOWHERE = 1e9
+
+
+@njit(cache=True)
+def _sticks(prepared: NDArray[np.float64], slip_x: float, slip_y: float) -> bool:
+    """True while the slip is not beyond that of the peak."""
+    relative_x, relative_y = slip_x / prepared[PEAK_SLIP_X], slip_y / prepared[PEAK_SLIP_Y]
+    return relative_x * relative_x + relative_y * relative_y <= 1.0
 
 
 @njit(cache=True)
@@ -38,8 +51,7 @@ def _friction_limit(
     force_y: float,
 ) -> float:
     """Largest bristle force in the direction of (force_x, force_y): the peak before it is passed, the curve after."""
-    relative_x, relative_y = slip_x / prepared[PEAK_SLIP_X], slip_y / prepared[PEAK_SLIP_Y]
-    if relative_x * relative_x + relative_y * relative_y > 1.0:
+    if not _sticks(prepared, slip_x, slip_y):
         return math.sqrt(curve_x * curve_x + curve_y * curve_y)
     length = math.sqrt(force_x * force_x + force_y * force_y)
     peak_x, peak_y = prepared[PEAK_FORCE_X], prepared[PEAK_FORCE_Y]
@@ -135,6 +147,10 @@ def spin_wheel(
     abs_x, abs_y = abs(v_x), abs(v_y)
     slow = max(abs_x, abs_y) < none_above
     force_y = moment_z = b_x = b_y = b_slope = 0.0
+    # the last evaluation of a formula that costs much; a curve is as cheap as its tangent
+    costly = prepared[KIND] != MAGIC_FORMULA
+    at_x = at_y = _NOWHERE
+    at_force = at_slope = 0.0
 
     for _ in range(substeps):
         roll = radius * omega
@@ -155,10 +171,17 @@ def spin_wheel(
             if relaxation_y > 0.0:
                 slip_y = (relaxation_y * s.lagged_slip_y[i] + h * slide_y) * weight_y
             s.lagged_slip_x[i], s.lagged_slip_y[i] = slip_x, slip_y
-        force_x, slope = along(tyre, prepared, slip_x, slip_y)
+        if costly and abs(slip_x - at_x) < NEAR_X and abs(slip_y - at_y) < NEAR_Y:
+            force_x, slope = at_force + at_slope * (slip_x - at_x), at_slope
+        elif costly and speed < full_below and _sticks(prepared, slip_x, slip_y):
+            force_x = slope = force_y = moment_z = 0.0  # the bristles alone act, and below the peak
+        else:
+            force_x, slope = along(tyre, prepared, slip_x, slip_y)
+            if slow:
+                force_y, moment_z = across(tyre, prepared, slip_x, slip_y, force_x)
+            else:
+                at_x, at_y, at_force, at_slope = slip_x, slip_y, force_x, slope
         slope *= slip_slope
-        if slow:
-            force_y, moment_z = across(tyre, prepared, slip_x, slip_y, force_x)
         if speed < none_above:
             b_x, b_y, b_slope = _bristles(
                 p, s, i, prepared, slip_x, slip_y, force_x, force_y, slide_x, slide_y, abs(roll), h

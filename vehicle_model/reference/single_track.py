@@ -9,19 +9,13 @@ Both wheels of an axle share the axle's state: inertia and torques are the axle'
 force on the car, C_roll m g cos(gamma) (eq. 27), as in the filter that the document builds on this model.
 """
 
-from collections.abc import Iterator
-from typing import Any
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from signals.errors import unknown_name
 from signals.quantities import FileModel, parameter
 from signals.wheels import WHEELS
-from vehicle_model import parameters
-from vehicle_model.interface import PLANT_OUTPUTS, TIME_STEP_S
-from vehicle_model.parameters import ParameterInfo
 from vehicle_model.reference.axle_scaling import axle_inertia
+from vehicle_model.reference.reference_plant import ReferencePlant
 from vehicle_model.reference.single_track_record import PARAMETER_RECORD, STATE_RECORD
 from vehicle_model.reference.single_track_step import refresh, single_track_tick
 from vehicle_model.road import RoadTables
@@ -39,7 +33,7 @@ class SingleTrackOptions(FileModel):
     substeps: int = parameter("1", 5, low=5, high=1000, description="integration steps per millisecond")
 
 
-class SingleTrack:
+class SingleTrack(ReferencePlant):
     """Longitudinal single-track car (see ``vehicle_model.interface.Plant`` for what every plant offers).
 
     Parameters
@@ -57,20 +51,18 @@ class SingleTrack:
         If the road names an unknown surface.
     """
 
-    time_step_s = TIME_STEP_S
+    sections = SECTIONS
 
     def __init__(self, vehicle: VehicleFile, road: RoadFile | None = None, *, substeps: int = 5) -> None:
+        super().__init__()
         self._vehicle = vehicle.model_copy(deep=True)
-        self._options = SingleTrackOptions(substeps=substeps)
+        self._options: SingleTrackOptions = SingleTrackOptions(substeps=substeps)
         self._road = RoadTables(road or RoadFile())
         self._parameters: NDArray[np.void] = np.zeros(1, PARAMETER_RECORD)
         self._state: NDArray[np.void] = np.zeros(1, STATE_RECORD)
         self._tyres = np.zeros((4, TYRE_SIZE))
         self._prepared = np.zeros((4, PREPARED_SIZE))
-        self._brake, self._drive = np.zeros(4), np.zeros(4)
-        self._time_s = 0.0
-        self.outputs: NDArray[np.float64] = np.zeros(len(PLANT_OUTPUTS))
-        self._fill()
+        self._write("plant")
         self._take_memory()
         self.reset(speed_m_s=0.0)
 
@@ -88,14 +80,6 @@ class SingleTrack:
             road.surfaces,
             self.outputs,
         )
-
-    def bind(self, view: NDArray[np.float64]) -> None:
-        """Write the outputs into ``view`` (block "plant" of a signal vector) from now on."""
-        if view.shape != self.outputs.shape or view.dtype != np.float64:
-            raise ValueError(f"found a view of shape {view.shape}, allowed: {len(PLANT_OUTPUTS)} float64")
-        view[:] = self.outputs
-        self.outputs = view
-        self._take_memory()
 
     def reset(
         self,
@@ -122,62 +106,13 @@ class SingleTrack:
         """Advance by 1 ms (see ``vehicle_model.interface.Plant.tick``); the steering-wheel angle has no effect."""
         single_track_tick(*self._memory, brake_torque, drive_torque, time_s)
 
-    def step(self, n: int, *, brake_torque: ArrayLike = 0.0, drive_torque: ArrayLike = 0.0, steer: float = 0.0) -> None:
-        """Advance by ``n`` milliseconds with constant inputs; torques are one number or one per wheel [N m]."""
-        self._brake[:] = brake_torque
-        self._drive[:] = drive_torque
-        for _ in range(n):
-            self.tick(self._brake, self._drive, steer, self._time_s)
-            self._time_s += TIME_STEP_S
-
-    def names(self) -> tuple[str, ...]:
-        """Dotted paths of every parameter, the road's as ``road.…``, the numerics' as ``plant.…``."""
-        return tuple(info.path for info in self._infos())
-
-    def parameter_table(self) -> list[ParameterInfo]:
-        """Every parameter with unit, value, range and neutral value."""
-        return list(self._infos())
-
-    def _infos(self) -> Iterator[ParameterInfo]:
-        for section in SECTIONS:
-            yield from parameters.parameter_infos(getattr(self._vehicle, section), f"{section}.", self._vehicle.sources)
-        yield from parameters.parameter_infos(self._road.road, "road.")
-        yield from parameters.parameter_infos(self._options, "plant.")
-
-    def _owner(self, path: str) -> tuple[Any, str]:
-        section = path.partition(".")[0]
-        if section == "road":
-            return self._road.road, "road."
-        if section == "plant":
-            return self._options, "plant."
-        if section in SECTIONS:
-            return getattr(self._vehicle, section), f"{section}."
-        raise unknown_name("section of the plant", section, (*SECTIONS, "road", "plant"))
-
-    def get(self, path: str) -> float:
-        """Value of a parameter in SI units; InputError if there is none of that path."""
-        model, prefix = self._owner(path)
-        return parameters.get_parameter(model, path, prefix)
-
-    def set(self, path: str, value: float) -> None:
-        """Change a parameter from the next tick on; InputError if there is none or the value is refused."""
-        if path.startswith("road."):
-            self._road.set(path, value)
-            return
-        model, prefix = self._owner(path)
-        parameters.set_parameter(model, path, value, prefix)
-        self._fill()
-
-    def state(self) -> dict[str, float]:
-        """Outputs of the last tick by name."""
-        return dict(zip(PLANT_OUTPUTS, self.outputs.tolist(), strict=True))
-
     def energy_account(self) -> dict[str, float]:
         """Energies since the reset [J]: what brakes, tyres, rolling and air took, and what the drive gave."""
         kinds = ("brake_energy", "tyre_energy", "rolling_energy", "air_energy", "drive_energy")
         return {kind: float(self._state[kind][0]) for kind in kinds}
 
-    def _fill(self) -> None:
+    def _write(self, section: str) -> None:
+        # the record is small: all of it, whatever the section
         vehicle, p = self._vehicle, self._parameters[0]
         body, air = vehicle.body, vehicle.aerodynamics
         wheels = [getattr(vehicle.wheels, name) for name in WHEELS]

@@ -14,7 +14,7 @@ from numba import njit
 from vehicle_model.interface import TIME_STEP_S
 from vehicle_model.reference.single_track_outputs import write_outputs
 from vehicle_model.reference.single_track_record import FRONT, REAR
-from vehicle_model.road import friction_at, slopes_at
+from vehicle_model.road import friction_at, slopes_at, water_factor_at
 from vehicle_model.tyres.kernel import PEAK_FORCE_X, PEAK_SLIP_X, STIFFNESS_X, along, prepare
 
 _SMALLEST_SPEED = 1e-6
@@ -193,8 +193,9 @@ def _look_at_road(
             x = s.x + along * cosine - across * sine
             y = s.y + along * sine + across * cosine
             friction, surface = friction_at(road, jumps, patches, x, y, time)
+            friction *= water_factor_at(road, patches, x, y, abs(s.speed))
             load = 0.5 * s.prepared_load[axle]
-            prepare(tyres[i], surfaces[surface], friction * p.friction_factor[i], load, abs(s.speed), 0.0, prepared[i])
+            prepare(tyres[i], surfaces[surface], friction * p.friction_factor[i], load, s.speed, 0.0, prepared[i])
             s.friction_limit[i] = prepared[i, PEAK_FORCE_X] / load
 
 

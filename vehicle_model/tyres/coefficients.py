@@ -1,20 +1,39 @@
 """Coefficients of a tyre and of a surface as rows of numbers for the compiled step."""
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicle_model.tyres.magic_formula_record import FIELDS
-from vehicle_model.tyres.tyre_file import BurckhardtCurve, CurveTyre, MagicFormulaCurve, TirTyre
+from vehicle_model.tyres.tyre_file import (
+    AnyTyre,
+    BurckhardtCurve,
+    CurveTyre,
+    DahlTyre,
+    DugoffTyre,
+    FialaTyre,
+    LoadDependentCurve,
+    LuGreTyre,
+    MagicFormulaCurve,
+    TirTyre,
+    TMeasyTyre,
+)
 
-MAGIC_FORMULA, BURCKHARDT, TIR = 0, 1, 2
+if TYPE_CHECKING:
+    from vehicle_model.tyres.magic_formula_tyre import MagicFormulaTyre
+
+# formulas; the load-dependent one becomes a Magic Formula for each step
+MAGIC_FORMULA, BURCKHARDT, TIR, LOAD_DEPENDENT, TMEASY, DUGOFF, FIALA, LUGRE = range(8)
 SIMILARITY, KAMM = 0, 1
 
 # row of a tyre
 TYRE_KIND, TYRE_COMBINED = 0, 1
 TYRE_X, TYRE_Y = 2, 8  # starts of two curves, each in the layout CURVE_*
-TYRE_LOAD_SENSITIVITY, TYRE_NOMINAL_LOAD, TYRE_TRAIL = 20, 21, 22
+TYRE_LOAD_SENSITIVITY, TYRE_NOMINAL_LOAD, TYRE_TRAIL, TYRE_KIND_Y = 20, 21, 22, 23
+# coefficients a0 to a8 of two load-dependent curves, or the parameters of another formula
+TYRE_LOAD_X, TYRE_LOAD_Y, TYRE_FORMULA = 24, 33, 24
 # of a tyre from a .tir file: which combination, side of the car it was measured for, then its record
 TYRE_ELLIPSE, TYRE_MIRRORED, TYRE_RECORD = 1, 2, 24
 TYRE_SIZE = 256
@@ -71,25 +90,69 @@ def write_curve(curve: MagicFormulaCurve | BurckhardtCurve, row: NDArray[np.floa
     return BURCKHARDT
 
 
-def write_tyre(tyre: CurveTyre | TirTyre, row: NDArray[np.float64], *, right: bool) -> None:
+def write_tyre(tyre: AnyTyre, row: NDArray[np.float64], *, right: bool) -> None:
     """Fill the row of one tyre (shape ``(TYRE_SIZE,)``); ``right`` for one on the right side of the car."""
     row[:] = 0.0
     if isinstance(tyre, TirTyre):
         _write_tir(tyre, row, right)
-    else:
+    elif isinstance(tyre, CurveTyre):
         _write_curves(tyre, row)
+    else:
+        row[TYRE_KIND], values = _formula(tyre)
+        row[TYRE_FORMULA : TYRE_FORMULA + len(values)] = values
+
+
+def _formula(tyre: TMeasyTyre | DugoffTyre | FialaTyre | LuGreTyre | DahlTyre) -> tuple[int, tuple[float, ...]]:
+    """Kind and parameters, in the order that the formula's own module declares."""
+    if isinstance(tyre, TMeasyTyre):
+        points = [point for side in (tyre.longitudinal, tyre.lateral) for point in (side.nominal, side.double)]
+        forces = [(p.slope, p.peak_force, p.peak_slip, p.sliding_force, p.sliding_slip) for p in points]
+        trails = [(t.at_zero_slip, t.zero_slip, t.sliding_slip) for t in (tyre.aligning.nominal, tyre.aligning.double)]
+        return TMEASY, (tyre.nominal_load, *sum(forces, ()), tyre.aligning.contact_length, *sum(trails, ()))
+    if isinstance(tyre, DugoffTyre):
+        stiffness = tyre.slip_stiffness, tyre.cornering_stiffness
+        return DUGOFF, (tyre.friction, tyre.friction_reduction, *stiffness, tyre.pneumatic_trail)
+    if isinstance(tyre, FialaTyre):
+        friction = tyre.static_friction, tyre.sliding_friction
+        return FIALA, (*friction, tyre.slip_stiffness, tyre.cornering_stiffness, tyre.width)
+    bristles = tyre.stiffness_longitudinal, tyre.stiffness_lateral, tyre.renewal, tyre.pneumatic_trail
+    if isinstance(tyre, DahlTyre):
+        return LUGRE, (tyre.friction, tyre.friction, 1.0, 0.0, *bristles)
+    return LUGRE, (
+        tyre.static_friction,
+        tyre.coulomb_friction,
+        tyre.stribeck_speed,
+        tyre.viscous_friction,
+        *bristles,
+    )
+
+
+def _write_direction(
+    curve: MagicFormulaCurve | LoadDependentCurve | BurckhardtCurve,
+    row: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+) -> int:
+    if isinstance(curve, LoadDependentCurve):
+        coefficients[:] = [getattr(curve, f"a{number}") for number in range(9)]
+        return LOAD_DEPENDENT
+    return write_curve(curve, row)
 
 
 def _write_curves(tyre: CurveTyre, row: NDArray[np.float64]) -> None:
-    row[TYRE_KIND] = write_curve(tyre.longitudinal, row[TYRE_X : TYRE_X + CURVE_SIZE])
-    write_curve(tyre.lateral, row[TYRE_Y : TYRE_Y + CURVE_SIZE])
+    row[TYRE_KIND] = _write_direction(
+        tyre.longitudinal, row[TYRE_X : TYRE_X + CURVE_SIZE], row[TYRE_LOAD_X : TYRE_LOAD_X + 9]
+    )
+    row[TYRE_KIND_Y] = _write_direction(
+        tyre.lateral, row[TYRE_Y : TYRE_Y + CURVE_SIZE], row[TYRE_LOAD_Y : TYRE_LOAD_Y + 9]
+    )
     row[TYRE_COMBINED] = KAMM if tyre.combined_slip == "kamm" else SIMILARITY
     row[TYRE_LOAD_SENSITIVITY] = tyre.load_sensitivity
     row[TYRE_NOMINAL_LOAD] = tyre.nominal_load
     row[TYRE_TRAIL] = tyre.pneumatic_trail
 
 
-def _write_tir(tyre: TirTyre, row: NDArray[np.float64], right: bool) -> None:
+def tir_tyre(tyre: TirTyre) -> "MagicFormulaTyre":
+    """The tyre of a ``.tir`` file with the scales and the pressure of the file that names it."""
     from vehicle_model.tyres.magic_formula_tyre import read_tir
 
     scale = {
@@ -99,13 +162,17 @@ def _write_tir(tyre: TirTyre, row: NDArray[np.float64], right: bool) -> None:
         "LKY": tyre.cornering_stiffness_scale,
     }
     read = read_tir(tyre.tir, combined_slip=tyre.combined_slip)
-    record = read.record.copy()
     for name, factor in scale.items():
-        record[name] *= factor
+        read.record[name] *= factor
     if tyre.inflation_pressure is not None:
-        record["INFLPRES"] = tyre.inflation_pressure
+        read.record["INFLPRES"] = tyre.inflation_pressure
+    return read
+
+
+def _write_tir(tyre: TirTyre, row: NDArray[np.float64], right: bool) -> None:
+    read = tir_tyre(tyre)
     row[TYRE_KIND] = TIR
     row[TYRE_ELLIPSE] = float(read.uses_ellipse)
     measured_right = read.measured_side == "RIGHT"
     row[TYRE_MIRRORED] = float(right != measured_right)
-    row[TYRE_RECORD : TYRE_RECORD + len(FIELDS)] = record.view(np.float64)
+    row[TYRE_RECORD : TYRE_RECORD + len(FIELDS)] = read.record.view(np.float64)

@@ -2,7 +2,9 @@
 
 import math
 
+import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 
 @njit(cache=True)
@@ -24,6 +26,28 @@ def magic_formula(slip: float, stiffness: float, shape: float, peak: float, curv
         y_slope = stiffness * (1.0 - curvature * (x * x / (1.0 + x * x)))
     angle = shape * math.atan(y)
     return peak * math.sin(angle), peak * math.cos(angle) * shape * y_slope / (1.0 + y * y)
+
+
+@njit(cache=True)
+def magic_formula_peak(stiffness: float, shape: float, curvature: float) -> float:
+    """Slip at the peak, at least 0.01 and at most 1: B s - E (B s - arctan(B s)) = tan(pi/(2 C)) by Newton's method."""
+    if shape <= 1.0 or stiffness == 0.0:
+        return 1.0
+    wanted = math.tan(math.pi / (2.0 * shape))
+    x = wanted
+    for _ in range(6):
+        x -= (x - curvature * (x - math.atan(x)) - wanted) / max(1.0 - curvature * x * x / (1.0 + x * x), 0.05)
+    return min(max(abs(x / stiffness), 0.01), 1.0)
+
+
+@njit(cache=True)
+def load_dependent(a: NDArray[np.float64], load: float) -> tuple[float, float, float, float]:
+    """B, C, D over the load and E at a load [N] from a0 to a8 of eq. 6; D and B C D keep 1 % of a2 and a4 at least."""
+    shape = a[0]
+    peak = max(a[1] * load + a[2], 0.01 * a[2])
+    slope = max(a[3] * load + a[4], 0.01 * a[4]) * math.exp(-a[5] * load)
+    curvature = min(a[6] * load * load + a[7] * load + a[8], 1.0)
+    return slope / max(shape * peak, 1e-9), shape, peak, curvature
 
 
 @njit(cache=True)

@@ -6,7 +6,7 @@ the side force and the aligning moment, once per step. A tyre formula joins the 
 
 The slip vector is the sliding velocity of the tread over the road, turned round, over the larger of rolling and
 travelling speed: ``slip_x = (R w - v_x) / V`` (slip S5 of the friction document), ``slip_y = -v_y / V``. Forces point
-along it.
+along it, also when the wheel travels backwards.
 """
 
 import math
@@ -24,6 +24,7 @@ from vehicle_model.tyres.coefficients import (
     CURVE_PEAK_SLIP,
     CURVE_SIZE,
     KAMM,
+    LOAD_DEPENDENT,
     MAGIC_FORMULA,
     SURFACE_CURVE,
     SURFACE_FACTOR,
@@ -32,24 +33,47 @@ from vehicle_model.tyres.coefficients import (
     TIR,
     TYRE_COMBINED,
     TYRE_KIND,
+    TYRE_KIND_Y,
     TYRE_LOAD_SENSITIVITY,
+    TYRE_LOAD_X,
+    TYRE_LOAD_Y,
     TYRE_NOMINAL_LOAD,
     TYRE_TRAIL,
     TYRE_X,
     TYRE_Y,
 )
-from vehicle_model.tyres.curves import burckhardt, magic_formula
+from vehicle_model.tyres.curves import burckhardt, load_dependent, magic_formula, magic_formula_peak
+from vehicle_model.tyres.formula_kernel import forces_of_formula, moment_of_formula, prepare_formula
+from vehicle_model.tyres.prepared_row import (
+    DIRECTION,
+    KEPT,
+    KIND,
+    PEAK_FORCE_X,
+    PEAK_FORCE_Y,
+    PEAK_SLIP_X,
+    PEAK_SLIP_Y,
+    PREPARED_SIZE,
+    STIFFNESS_X,
+    STIFFNESS_Y,
+)
 from vehicle_model.tyres.tir_kernel import across_tir, along_tir, prepare_tir
 
-# row that holds for one tick: what every formula gives ...
-PEAK_FORCE_X, PEAK_FORCE_Y, PEAK_SLIP_X, PEAK_SLIP_Y, STIFFNESS_X, STIFFNESS_Y = range(6)
-_FROM_TIR = 6
-# ... what the curve tyres keep for themselves
-_RESULTANT, _COMBINED, _TRAIL, _SPEED, _SCALE = range(7, 12)
-_X, _Y = 12, 18
-# ... and where tyres from .tir files keep their coefficients
-_KEPT = 12
-PREPARED_SIZE = 64
+__all__ = [
+    "PEAK_FORCE_X",
+    "PEAK_FORCE_Y",
+    "PEAK_SLIP_X",
+    "PEAK_SLIP_Y",
+    "PREPARED_SIZE",
+    "STIFFNESS_X",
+    "STIFFNESS_Y",
+    "across",
+    "along",
+    "prepare",
+]
+
+# what the curve tyres keep for themselves
+_RESULTANT, _COMBINED, _TRAIL, _SPEED, _SCALE = range(KEPT, KEPT + 5)
+_X, _Y = KEPT + 5, KEPT + 11
 
 
 @njit(cache=True)
@@ -87,16 +111,31 @@ def prepare(
     load : N
         Vertical load, not negative.
     speed : m/s
-        Speed of the wheel centre.
+        Speed of the wheel centre, negative when it travels backwards.
     camber : rad
-        Inclination, top to the right positive; curve tyres do not use it.
+        Inclination, top to the right positive; only tyres from ``.tir`` files use it.
     """
-    prepared[_FROM_TIR] = 0.0
-    if tyre[TYRE_KIND] == TIR and surface[SURFACE_REPLACES] == 0.0:
-        prepared[_FROM_TIR] = 1.0
-        prepare_tir(tyre, friction * surface[SURFACE_FACTOR], load, speed, camber, prepared, prepared[_KEPT:])
+    prepared[DIRECTION] = -1.0 if speed < 0.0 else 1.0
+    speed = abs(speed)
+    kind = tyre[TYRE_KIND]
+    if surface[SURFACE_REPLACES] != 0.0 or kind in (MAGIC_FORMULA, BURCKHARDT, LOAD_DEPENDENT):
+        prepared[KIND] = MAGIC_FORMULA
+        _prepare_curves(tyre, surface, friction, load, speed, prepared)
         return
-    _prepare_curves(tyre, surface, friction, load, speed, prepared)
+    prepared[KIND] = kind
+    friction *= surface[SURFACE_FACTOR]
+    if kind == TIR:
+        prepare_tir(tyre, friction, load, speed, camber, prepared, prepared[KEPT:])
+    else:
+        prepare_formula(tyre, friction, load, speed, prepared)
+
+
+@njit(cache=True)
+def _at_load(coefficients: NDArray[np.float64], load: float, curve: NDArray[np.float64]) -> None:
+    """A load-dependent curve as a Magic Formula that holds at the load."""
+    stiffness, shape, peak, curvature = load_dependent(coefficients, load)
+    curve[CURVE_B], curve[CURVE_C], curve[CURVE_D], curve[CURVE_E] = stiffness, shape, peak, curvature
+    curve[CURVE_PEAK_SLIP] = magic_formula_peak(stiffness, shape, curvature)
 
 
 @njit(cache=True)
@@ -124,6 +163,11 @@ def _prepare_curves(
         for k in range(CURVE_SIZE):
             prepared[_X + k] = tyre[TYRE_X + k]
             prepared[_Y + k] = tyre[TYRE_Y + k]
+        if kind == LOAD_DEPENDENT:
+            kind = float(MAGIC_FORMULA)
+            _at_load(tyre[TYRE_LOAD_X:], load, prepared[_X : _X + CURVE_SIZE])
+        if tyre[TYRE_KIND_Y] == LOAD_DEPENDENT:
+            _at_load(tyre[TYRE_LOAD_Y:], load, prepared[_Y : _Y + CURVE_SIZE])
     x = prepared[_X : _X + CURVE_SIZE]
     if kind == BURCKHARDT and x[4] != 0.0:
         scale *= max(1.0 - x[4] * load * load, 0.05)
@@ -181,8 +225,12 @@ def along(
     tyre: NDArray[np.float64], prepared: NDArray[np.float64], slip_x: float, slip_y: float
 ) -> tuple[float, float]:
     """Longitudinal force [N] along the wheel's heading, and its derivative by ``slip_x``."""
-    if prepared[_FROM_TIR] != 0.0:
-        return along_tir(tyre, prepared[_KEPT:], slip_x, slip_y)
+    kind = prepared[KIND]
+    if kind == TIR:
+        return along_tir(tyre, prepared[KEPT:], slip_x, slip_y, prepared[DIRECTION])
+    if kind != MAGIC_FORMULA:
+        force_x, _, slope = forces_of_formula(prepared, slip_x, slip_y)
+        return force_x, slope
     relative = _relative(prepared, slip_x, slip_y)
     if relative < 1e-9:
         return prepared[STIFFNESS_X] * slip_x, prepared[STIFFNESS_X]
@@ -205,8 +253,12 @@ def across(
     tyre: NDArray[np.float64], prepared: NDArray[np.float64], slip_x: float, slip_y: float, force_x: float
 ) -> tuple[float, float]:
     """Side force [N] to the left of the wheel's heading, and aligning moment [N m], beside a longitudinal force [N]."""
-    if prepared[_FROM_TIR] != 0.0:
-        return across_tir(tyre, prepared[_KEPT:], slip_x, slip_y, force_x)
+    kind = prepared[KIND]
+    if kind == TIR:
+        return across_tir(tyre, prepared[KEPT:], slip_x, slip_y, force_x, prepared[DIRECTION])
+    if kind != MAGIC_FORMULA:
+        _, force_y, _ = forces_of_formula(prepared, slip_x, slip_y)
+        return force_y, moment_of_formula(prepared, slip_x, slip_y, force_y)
     if slip_y == 0.0:
         return 0.0, 0.0
     relative = _relative(prepared, slip_x, slip_y)
@@ -221,4 +273,4 @@ def across(
     else:
         slip = relative * prepared[PEAK_SLIP_Y]
         force_y = _curve(prepared, _Y, slip)[0] * slip_y / slip
-    return force_y, -prepared[_TRAIL] * max(1.0 - relative, 0.0) * force_y
+    return force_y, -prepared[DIRECTION] * prepared[_TRAIL] * max(1.0 - relative, 0.0) * force_y

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from signals.errors import unknown_name
 from vehicle_model.plant_record import Record
@@ -27,19 +27,21 @@ from vehicle_model.tyres.magic_formula_record import (
     VERSION_61,
     VERSION_62,
 )
+from vehicle_model.tyres.relaxation import lengths_of_6x, lengths_of_52
 from vehicle_model.tyres.tir_check import read_checked, version_of
 from vehicle_model.tyres.tir_file import TirFile
-from vehicle_model.tyres.tyre import Limits, Tyre, TyreForces
+from vehicle_model.tyres.tyre import Limits, Tyre
 
 CombinedSlip = Literal["auto", "weights", "ellipse"]
 
-_LIMITS = {
+LIMIT_NAMES = {
     "slip_ratio": ("KPUMIN", "KPUMAX"),
     "slip_angle": ("ALPMIN", "ALPMAX"),
     "camber": ("CAMMIN", "CAMMAX"),
     "vertical_load": ("FZMIN", "FZMAX"),
     "inflation_pressure": ("PRESMIN", "PRESMAX"),
 }
+"""Names in a ``.tir`` file of the range of each input."""
 
 
 @njit(cache=True)
@@ -136,37 +138,16 @@ class MagicFormulaTyre(Tyre):
                 raise unknown_name("deviation", name, DEVIATIONS)
             p[name] = 1.0
 
-    def forces(
-        self,
-        slip_ratio: ArrayLike,
-        slip_angle: ArrayLike,
-        camber: ArrayLike,
-        vertical_load: ArrayLike,
-        inflation_pressure: ArrayLike | None = None,
-        speed: ArrayLike | None = None,
-        *,
-        friction: float = 1.0,
-        mirrored: bool = False,
-        check: bool = True,
-    ) -> TyreForces:
-        """Forces and moments in steady state (see ``Tyre.forces``)."""
-        p = self.record[0]
-        given = (
-            slip_ratio,
-            slip_angle,
-            camber,
-            vertical_load,
-            float(p["INFLPRES"]) if inflation_pressure is None else inflation_pressure,
-            float(p["LONGVL"]) if speed is None else speed,
-        )
-        columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in given))
-        if check:
-            self.limits.check(self.name, dict(zip(_LIMITS, columns[:5], strict=True)))
-        shape = columns[0].shape
-        inputs = np.stack([column.ravel() for column in columns], axis=1)
-        result = np.empty((inputs.shape[0], 5))
-        _evaluate(p, self._coefficients[0], inputs, friction, self.uses_ellipse, mirrored, result)
-        return TyreForces(*(result[:, k].reshape(shape)[()] for k in range(5)))
+    @property
+    def reference(self) -> tuple[float, float]:
+        """Inflation pressure [Pa] and speed [m/s] of the file."""
+        return float(self.record["INFLPRES"][0]), float(self.record["LONGVL"][0])
+
+    def evaluate(
+        self, inputs: NDArray[np.float64], friction: float, mirrored: bool, forces: NDArray[np.float64]
+    ) -> None:
+        """Forces and moments row by row (see ``Tyre.evaluate``)."""
+        _evaluate(self.record[0], self._coefficients[0], inputs, friction, self.uses_ellipse, mirrored, forces)
 
     def stiffnesses(self, vertical_load: float, inflation_pressure: float | None = None) -> tuple[float, float]:
         """Slopes of the pure curves at zero slip: dFx/dslip ratio [N] and dFy/dslip angle [N/rad]."""
@@ -180,29 +161,14 @@ class MagicFormulaTyre(Tyre):
 
         5.2: PTX, PTY; 6.x: slip stiffness over the carcass stiffness (Pacejka 2012, 7.7 with PCFX, PCFY).
         """
-        p = self.record[0]
-        nominal = p["FNOMIN"] * p["LFZO"]
-        dfz = (vertical_load - nominal) / nominal
+
+        def p(name: str) -> float:
+            return float(self.record[name][0])
+
         if self.version == VERSION_52:
-            length_x = (p["PTX1"] + p["PTX2"] * dfz) * math.exp(p["PTX3"] * dfz)
-            length_x *= vertical_load * p["UNLOADED_RADIUS"] / nominal * p["LSGKP"]
-            length_y = 0.0
-            if p["PTY2"] != 0.0:
-                length_y = p["PTY1"] * math.sin(2.0 * math.atan(vertical_load / (p["PTY2"] * nominal)))
-                length_y *= p["UNLOADED_RADIUS"] * p["LFZO"] * p["LSGAL"]
-            return float(length_x), float(length_y)
-        pressure = float(p["INFLPRES"]) if inflation_pressure is None else inflation_pressure
-        dpi = (pressure - p["NOMPRES"]) / p["NOMPRES"] if p["NOMPRES"] > 0.0 else 0.0
-        stiffness_x, stiffness_y = self.stiffnesses(vertical_load, pressure)
-        lengths = []
-        for slip_stiffness, carcass, names in (
-            (stiffness_x, p["LONGITUDINAL_STIFFNESS"], ("PCFX1", "PCFX2", "PCFX3")),
-            (stiffness_y, p["LATERAL_STIFFNESS"], ("PCFY1", "PCFY2", "PCFY3")),
-        ):
-            first, second, third = (p[name] for name in names)
-            carcass = carcass * (1.0 + first * dfz + second * dfz * dfz) * (1.0 + third * dpi)
-            lengths.append(abs(slip_stiffness) / carcass if carcass > 0.0 else 0.0)
-        return float(lengths[0]), float(lengths[1])
+            return lengths_of_52(p, vertical_load)
+        pressure = p("INFLPRES") if inflation_pressure is None else inflation_pressure
+        return lengths_of_6x(p, vertical_load, pressure, *self.stiffnesses(vertical_load, pressure))
 
 
 class MagicFormula52(MagicFormulaTyre):
@@ -231,11 +197,16 @@ _KINDS: dict[float, type[MagicFormulaTyre]] = {
 
 
 def _limits(tir: TirFile) -> Limits:
-    ranges = {}
-    for quantity, (low, high) in _LIMITS.items():
+    ranges, places = {}, {}
+    for quantity, (low, high) in LIMIT_NAMES.items():
         at_least, at_most = tir.numbers.get(low, -math.inf), tir.numbers.get(high, math.inf)
         ranges[quantity] = (at_least, at_most) if at_least < at_most else (-math.inf, math.inf)
-    return Limits(ranges)
+        lines = [
+            f"{name} in line {tir.lines[name]}" for name in (low, high) if name in tir.numbers and name in tir.lines
+        ]
+        if lines:
+            places[quantity] = f"{tir.path}: {', '.join(lines)}"
+    return Limits(ranges, places)
 
 
 def read_tir(

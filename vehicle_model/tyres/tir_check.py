@@ -6,7 +6,12 @@ from signals.errors import Fault, FileFaults, InputError
 from vehicle_model.tyres.magic_formula_record import COEFFICIENTS, VERSION_52, VERSION_61, VERSION_62
 from vehicle_model.tyres.tir_file import TirFile, missing, read_tir_file
 
-_REQUIRED = ("FNOMIN", "UNLOADED_RADIUS", "PCX1", "PDX1", "PKX1", "PCY1", "PDY1", "PKY1", "PKY2")
+_REQUIRED = {
+    "VERTICAL": ("FNOMIN",),
+    "DIMENSION": ("UNLOADED_RADIUS",),
+    "LONGITUDINAL_COEFFICIENTS": ("PCX1", "PDX1", "PKX1"),
+    "LATERAL_COEFFICIENTS": ("PCY1", "PDY1", "PKY1", "PKY2"),
+}
 _ALIASES = {"IP": "INFLPRES", "IP_NOM": "NOMPRES", "QPZ1": "PPZ1", "QPZ2": "PPZ2", "QPX1": "PPMX1"}
 _PLAUSIBLE = {
     "FNOMIN": (10.0, 2e5),
@@ -19,7 +24,15 @@ _PLAUSIBLE = {
     "PKY1": (-500.0, 500.0),
     "PKY2": (0.01, 1000.0),
     "LONGVL": (0.01, 500.0),
+    **dict.fromkeys(("ALPMIN", "ALPMAX"), (-1.6, 1.6)),
+    **dict.fromkeys(("CAMMIN", "CAMMAX"), (-1.6, 1.6)),
+    **dict.fromkeys(("LFZO", "LMUX", "LMUY", "LKX", "LKY", "LCX", "LCY"), (0.01, 100.0)),
 }
+_PRESSURES = ("NOMPRES", "INFLPRES", "PRESMAX")
+_PASCALS = (5e3, 3e6)
+"""Plausible pressures; 0 stands for a pressure that a file does not give."""
+
+_RANGES = (("KPUMIN", "KPUMAX"), ("ALPMIN", "ALPMAX"), ("CAMMIN", "CAMMAX"), ("FZMIN", "FZMAX"), ("PRESMIN", "PRESMAX"))
 _BY_FITTYP = {
     5: VERSION_52,
     6: VERSION_52,
@@ -73,6 +86,12 @@ def _check(tir: TirFile) -> None:
         value = tir.numbers.get(name)
         if value is not None and not low <= value <= high:
             faults.append(tir.fault(name, "absurd value", found=f"{value:g}", allowed=f"{low:g}…{high:g}"))
+    faults += [*_pressure_faults(tir), *_range_faults(tir)]
+    for name, first, second in tir.repeated:
+        if name in COEFFICIENTS or name in _PLAUSIBLE:
+            faults.append(
+                tir.fault(name, f"given twice with different values, first in line {first}, then in {second}")
+            )
     for name in COEFFICIENTS & tir.numbers.keys():
         if not abs(tir.numbers[name]) < 1e6:
             faults.append(tir.fault(name, "absurd value", found=f"{tir.numbers[name]:g}", allowed="below 1e6"))
@@ -80,3 +99,22 @@ def _check(tir: TirFile) -> None:
         faults.append(tir.fault(name, "not a number", found=repr(tir.texts[name])))
     if faults:
         raise FileFaults(faults, tir.path)
+
+
+def _pressure_faults(tir: TirFile) -> list[Fault]:
+    """Pressures that are none in pascals: programs that ask for SI still meet files in bar, psi or kPa."""
+    low, high = _PASCALS
+    return [
+        tir.fault(name, "absurd value, pressures are in Pa", found=f"{value:g}", allowed=f"{low:g}…{high:g}")
+        for name in _PRESSURES
+        if (value := tir.numbers.get(name, 0.0)) != 0.0 and not low <= value <= high
+    ]
+
+
+def _range_faults(tir: TirFile) -> list[Fault]:
+    """Ranges whose ends are turned round; two equal ends stand for a range that a file does not give."""
+    return [
+        tir.fault(high, "below the other end of its range", found=f"{top:g}", allowed=f"more than {low} = {bottom:g}")
+        for low, high in _RANGES
+        if (bottom := tir.numbers.get(low)) is not None and (top := tir.numbers.get(high)) is not None and top < bottom
+    ]

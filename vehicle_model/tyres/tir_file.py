@@ -9,6 +9,7 @@ NAME = 'text'
 
 import math
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -38,12 +39,18 @@ class TirFile:
         Values by name in upper case.
     lines : dict
         Line of each name, counted from 1.
+    sections : dict
+        Line of each section by its name in upper case.
+    repeated : list
+        Names that stand twice with different values: name, line of the first, line of the second.
     """
 
     path: str
     numbers: dict[str, float] = field(default_factory=dict)
     texts: dict[str, str] = field(default_factory=dict)
     lines: dict[str, int] = field(default_factory=dict)
+    sections: dict[str, int] = field(default_factory=dict)
+    repeated: list[tuple[str, int, int]] = field(default_factory=list)
 
     def fault(self, name: str, problem: str, *, found: str = "", allowed: str = "") -> Fault:
         """A fault at the line of a name, at the end of the file if the name is missing."""
@@ -66,21 +73,22 @@ def read_tir_file(path: str | Path) -> TirFile:
         raise InputError(f"{path}: not a text file", allowed="a .tir file of a tyre program")
     tir = TirFile(str(path))
     faults: list[Fault] = []
-    in_table = seen_section = False
+    in_table = False
     # tyre programs write these files in the code page of their machine; only comments have more than ASCII
     for number, raw in enumerate(content.decode("latin-1").splitlines(), 1):
         line = _without_comment(raw)
         if not line:
             continue
         if line.startswith("["):
-            in_table, seen_section = False, True
+            in_table = False
+            tir.sections.setdefault(line.strip("[] ").upper(), number)
         elif line.startswith("{"):
             in_table = True
         elif "=" in line:
             _take(tir, line, number)
         elif not (in_table and all(_NUMBER.match(word) for word in line.split())):
             faults.append(Fault(tir.path, number, 1, "", "no line of a .tir file", repr(line[:40]), "NAME = value"))
-    if not seen_section:
+    if not tir.sections:
         raise InputError(f"{path}: no section, e.g. [MODEL]", allowed="a .tir file of a tyre program")
     faults += _unit_faults(tir)
     if faults:
@@ -104,11 +112,15 @@ def _without_comment(raw: str) -> str:
 def _take(tir: TirFile, line: str, number: int) -> None:
     name, _, text = line.partition("=")
     name, text = name.strip().upper(), text.strip()
+    first = tir.lines.get(name, 0)
     tir.lines[name] = number
     if not text:  # a blank value stands for a missing one
         return
     if _NUMBER.match(text):
-        tir.numbers[name] = float(text.lower().replace("d", "e"))
+        value = float(text.lower().replace("d", "e"))
+        if tir.numbers.get(name, value) != value:
+            tir.repeated.append((name, first, number))
+        tir.numbers[name] = value
     else:
         tir.texts[name] = text.strip("'\"").strip()
 
@@ -126,14 +138,25 @@ def _unit_faults(tir: TirFile) -> list[Fault]:
     return faults
 
 
-def missing(tir: TirFile, names: tuple[str, ...]) -> list[Fault]:
-    """Faults for names that a file has to give and does not."""
+def missing(tir: TirFile, required: Mapping[str, Sequence[str]]) -> list[Fault]:
+    """Faults for names that a file has to give and does not; one for a section that it lacks altogether.
+
+    Parameters
+    ----------
+    required : mapping
+        Section → names, which may stand elsewhere too.
+    """
     faults = []
-    for name in names:
-        if name not in tir.numbers:
-            near = nearest_name(name, [other for other in tir.numbers if other not in names])
-            problem = "needs a number" if name in tir.lines else "is missing"
-            faults.append(
-                Fault(tir.path, tir.lines.get(name, 0), 1 if name in tir.lines else 0, name, problem, nearest=near)
-            )
+    known = {name for names in required.values() for name in names}
+    for section, names in required.items():
+        absent = [name for name in names if name not in tir.numbers]
+        if len(absent) == len(names) and section not in tir.sections:
+            allowed = f"[{section}] with {', '.join(names)}"
+            faults.append(Fault(tir.path, 0, 0, f"[{section}]", "section is missing", allowed=allowed))
+            continue
+        for name in absent:
+            near = nearest_name(name, [other for other in tir.numbers if other not in known])
+            problem = "needs a number" if name in tir.lines else f"is missing in [{section}]"
+            line = tir.lines.get(name) or tir.sections.get(section, 0)
+            faults.append(Fault(tir.path, line, 1 if line else 0, name, problem, nearest=near))
     return faults

@@ -7,8 +7,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from vehicle_model.external_mujoco import pointer
+from signals.record_memory import pointer
 from vehicle_model.tyres.coefficients import TYRE_ELLIPSE, TYRE_MIRRORED, TYRE_RECORD, TYRE_SIZE
+from vehicle_model.tyres.curves import magic_formula_peak
 from vehicle_model.tyres.magic_formula_coefficients import COEFFICIENT_RECORD, coefficients
 from vehicle_model.tyres.magic_formula_forces import (
     aligning_moment,
@@ -17,41 +18,37 @@ from vehicle_model.tyres.magic_formula_forces import (
     longitudinal_force_and_slope,
 )
 from vehicle_model.tyres.magic_formula_record import TIR_RECORD, VERSION_52
+from vehicle_model.tyres.prepared_row import (
+    PEAK_FORCE_X,
+    PEAK_FORCE_Y,
+    PEAK_SLIP_X,
+    PEAK_SLIP_Y,
+    SPEED_OF_BRISTLES,
+    STIFFNESS_X,
+    STIFFNESS_Y,
+)
+from vehicle_model.tyres.slip_shares import shares
 
 if TYRE_RECORD * 8 + TIR_RECORD.itemsize > TYRE_SIZE * 8:
     raise ImportError("the record of a .tir tyre is longer than the row that holds it")
-
-_SMALLEST_SHARE = 0.02
-"""Travelling over rolling speed below which a spinning wheel's slip grows no further."""
-
-_SPEED_OF_BRISTLES = 10.0
-"""Speed [m/s] above which no bristles act, whatever the contact's limits (``Contact.none_above``)."""
 
 _LIGHTEST = 0.05
 """Load over nominal load below which the coefficients stay and forces fall in proportion to the load."""
 
 
 @njit(cache=True)
-def _slips(version: float, mirrored: float, slip_x: float, slip_y: float) -> tuple[float, float, float]:
-    """Slip ratio, alpha* and slip angle of the Magic Formula from the plant's slip vector."""
-    if slip_x > 0.0:  # rolling is the faster: both slips refer to the travelling speed here
-        share = max(1.0 - slip_x, _SMALLEST_SHARE)
-        slip_x, slip_y = slip_x / share, slip_y / share
+def _slips(
+    version: float, mirrored: float, slip_x: float, slip_y: float, travelling: float
+) -> tuple[float, float, float]:
+    """Slip ratio, alpha* and slip angle of the Magic Formula from the plant's slip vector.
+
+    ``travelling`` is the travelling speed over the faster of rolling and travelling, to which both slips refer here.
+    """
+    if travelling < 1.0:
+        slip_x, slip_y = slip_x / travelling, slip_y / travelling
     tangent = slip_y if mirrored != 0.0 else -slip_y
     angle = math.atan(tangent) if tangent != 0.0 else 0.0
     return slip_x, (angle if version == VERSION_52 else tangent), angle
-
-
-@njit(cache=True)
-def _peak_slip(b: float, shape: float, e: float) -> float:
-    """Slip at the peak of a Magic Formula: B x - E (B x - arctan(B x)) = tan(pi / (2 C)), by Newton's method."""
-    if shape <= 1.0 or b == 0.0:
-        return 1.0
-    wanted = math.tan(math.pi / (2.0 * shape))
-    x = wanted
-    for _ in range(6):
-        x -= (x - e * (x - math.atan(x)) - wanted) / max(1.0 - e * x * x / (1.0 + x * x), 0.05)
-    return min(max(abs(x / b), 0.01), 1.0)
 
 
 @njit(cache=True)
@@ -71,20 +68,23 @@ def prepare_tir(
     evaluated = max(load, lightest)
     coefficients(p, c, evaluated, -camber if row[TYRE_MIRRORED] != 0.0 else camber, p.INFLPRES, friction)
     c.share = load / evaluated
-    header[0], header[1] = c.share * c.peak_x, c.share * c.peak_y
-    if speed < _SPEED_OF_BRISTLES:  # only the bristles ask where the peaks are
-        header[2] = _peak_slip(c.b_x, c.shape_x, min(c.e_x, 1.0))
-        header[3] = _peak_slip(c.b_y, c.shape_y, min(c.e_y, 1.0))
-    header[4], header[5] = c.share * abs(c.stiffness_x), c.share * abs(c.stiffness_y)
+    header[PEAK_FORCE_X], header[PEAK_FORCE_Y] = c.share * c.peak_x, c.share * c.peak_y
+    if speed < SPEED_OF_BRISTLES:  # only the bristles ask where the peaks are
+        header[PEAK_SLIP_X] = magic_formula_peak(c.b_x, c.shape_x, min(c.e_x, 1.0))
+        header[PEAK_SLIP_Y] = magic_formula_peak(c.b_y, c.shape_y, min(c.e_y, 1.0))
+    header[STIFFNESS_X], header[STIFFNESS_Y] = c.share * abs(c.stiffness_x), c.share * abs(c.stiffness_y)
 
 
 @njit(cache=True)
-def along_tir(row: NDArray[np.float64], kept: NDArray[np.float64], slip_x: float, slip_y: float) -> tuple[float, float]:
+def along_tir(
+    row: NDArray[np.float64], kept: NDArray[np.float64], slip_x: float, slip_y: float, direction: float
+) -> tuple[float, float]:
     """Longitudinal force and its derivative by ``slip_x``."""
     p = numba.carray(pointer(row.ctypes.data + 8 * TYRE_RECORD), 1, TIR_RECORD)[0]
     c = numba.carray(pointer(kept.ctypes.data), 1, COEFFICIENT_RECORD)[0]
-    kappa, alpha, angle = _slips(p.VERSION, row[TYRE_MIRRORED], slip_x, slip_y)
-    growth = 1.0 / max(1.0 - slip_x, _SMALLEST_SHARE) ** 2 if slip_x > 0.0 else 1.0
+    _, travelling = shares(slip_x, direction)
+    kappa, alpha, angle = _slips(p.VERSION, row[TYRE_MIRRORED], slip_x, slip_y, travelling)
+    growth = 1.0 / travelling**2 if travelling < 1.0 else 1.0
     if row[TYRE_ELLIPSE] != 0.0:
         force, _ = ellipse_forces(p, c, kappa, alpha, angle)
         _, slope = longitudinal_force_and_slope(p, c, kappa, 0.0)
@@ -95,16 +95,22 @@ def along_tir(row: NDArray[np.float64], kept: NDArray[np.float64], slip_x: float
 
 @njit(cache=True)
 def across_tir(
-    row: NDArray[np.float64], kept: NDArray[np.float64], slip_x: float, slip_y: float, force_x: float
+    row: NDArray[np.float64],
+    kept: NDArray[np.float64],
+    slip_x: float,
+    slip_y: float,
+    force_x: float,
+    direction: float,
 ) -> tuple[float, float]:
-    """Side force and aligning moment."""
+    """Side force and aligning moment, which turns round with the direction of travel."""
     p = numba.carray(pointer(row.ctypes.data + 8 * TYRE_RECORD), 1, TIR_RECORD)[0]
     c = numba.carray(pointer(kept.ctypes.data), 1, COEFFICIENT_RECORD)[0]
-    kappa, alpha, angle = _slips(p.VERSION, row[TYRE_MIRRORED], slip_x, slip_y)
+    _, travelling = shares(slip_x, direction)
+    kappa, alpha, angle = _slips(p.VERSION, row[TYRE_MIRRORED], slip_x, slip_y, travelling)
     if row[TYRE_ELLIPSE] != 0.0:
         _, force_y = ellipse_forces(p, c, kappa, alpha, angle)
     else:
         force_y = lateral_force(p, c, kappa, alpha, angle)
     moment = aligning_moment(p, c, kappa, alpha, angle, force_x / c.share, force_y)
     side = -c.share if row[TYRE_MIRRORED] != 0.0 else c.share
-    return side * force_y, side * moment
+    return side * force_y, side * direction * moment

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +17,8 @@ _UNITS = {
     "vertical_load": "N",
     "inflation_pressure": "Pa",
 }
+LIMITED = tuple(_UNITS)
+"""Inputs that have a range for which a tyre was measured, in the order of ``Tyre.forces``."""
 
 
 class TyreForces(NamedTuple):
@@ -49,6 +51,8 @@ class Limits:
     """
 
     ranges: Mapping[str, tuple[float, float]]
+    places: Mapping[str, str] = field(default_factory=dict)
+    """Name of the input → where its range stands."""
 
     def check(self, tyre: str, inputs: Mapping[str, NDArray[np.float64]]) -> None:
         """Raise InputError for the first input that is not finite or leaves its range."""
@@ -60,8 +64,9 @@ class Limits:
             if wrong.any():
                 worst = values[wrong].ravel()[0]
                 unit = _UNITS[name]
+                place = f" ({self.places[name]})" if name in self.places else ""
                 raise InputError(
-                    f"{tyre}: {name} outside the range for which the tyre was measured",
+                    f"{tyre}: {name} outside the range for which the tyre was measured{place}",
                     found=f"{worst:g} {unit}".rstrip(),
                     allowed=f"{low:g}…{high:g} {unit}".rstrip(),
                     mend="check=False evaluates the formula all the same",
@@ -78,7 +83,25 @@ class Tyre(ABC):
     name: str
     limits: Limits
 
+    @property
     @abstractmethod
+    def reference(self) -> tuple[float, float]:
+        """Inflation pressure [Pa] and speed [m/s] that stand for what a caller leaves out."""
+
+    @abstractmethod
+    def evaluate(
+        self, inputs: NDArray[np.float64], friction: float, mirrored: bool, forces: NDArray[np.float64]
+    ) -> None:
+        """Write (Fx, Fy, Mx, My, Mz) into ``forces``, shape (n, 5).
+
+        Parameters
+        ----------
+        inputs : shape (n, 6)
+            Rows of slip ratio, slip angle, camber, load, pressure, speed.
+        friction, mirrored
+            As in ``forces``.
+        """
+
     def forces(
         self,
         slip_ratio: ArrayLike,
@@ -99,7 +122,7 @@ class Tyre(ABC):
         slip_ratio
             (R w - v) / |v|, driving positive, locked -1.
         slip_angle, camber : rad
-            Slip angle; inclination.
+            arctan(v_y/v_x); inclination. Only tyres from ``.tir`` files know camber and pressure.
         vertical_load : N
             Positive; a lifted tyre has no forces.
         inflation_pressure : Pa, optional
@@ -118,6 +141,23 @@ class Tyre(ABC):
         InputError
             If an input is outside the limits.
         """
+        pressure, reference_speed = self.reference
+        given = (
+            slip_ratio,
+            slip_angle,
+            camber,
+            vertical_load,
+            pressure if inflation_pressure is None else inflation_pressure,
+            reference_speed if speed is None else speed,
+        )
+        columns = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in given))
+        if check:
+            self.limits.check(self.name, dict(zip(LIMITED, columns[:5], strict=True)))
+        shape = columns[0].shape
+        inputs = np.stack([column.ravel() for column in columns], axis=1)
+        result = np.empty((inputs.shape[0], 5))
+        self.evaluate(inputs, friction, mirrored, result)
+        return TyreForces(*(result[:, k].reshape(shape)[()] for k in range(5)))
 
     def slopes(
         self,

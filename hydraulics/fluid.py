@@ -1,0 +1,55 @@
+"""Brake fluid: viscosity over temperature, and what air in a wheel brake does to its stiffness."""
+
+import math
+from typing import Any
+
+from numba import njit
+
+REFERENCE_TEMPERATURE_C = 20.0
+ATMOSPHERE_PA = 101_325.0
+POLYTROPIC_EXPONENT = 1.2
+"""Of air bubbles in a brake fluid: between isothermal and adiabatic, assumed."""
+
+# kinematic viscosity [mm^2/s] at two temperatures [degC], inside the limits of FMVSS 116 for DOT 4 (at most 1800, at
+# least 1.5); usual values of data sheets, assumed
+_COLD = (-40.0, 1300.0)
+_HOT = (100.0, 2.1)
+
+
+def _walther(viscosity_mm2_s: float) -> float:
+    return math.log10(math.log10(viscosity_mm2_s + 0.7))
+
+
+def kinematic_viscosity(temperature_c: float) -> float:
+    """Kinematic viscosity of a DOT 4 fluid [mm^2/s] by Walther's equation, ASTM D341.
+
+    log log (ν + 0.7) = A - B log T, through the values at -40 and 100 °C.
+    """
+    low, high = math.log10(_COLD[0] + 273.15), math.log10(_HOT[0] + 273.15)
+    slope = (_walther(_COLD[1]) - _walther(_HOT[1])) / (high - low)
+    exponent = _walther(_COLD[1]) - slope * (math.log10(temperature_c + 273.15) - low)
+    return float(10.0 ** (10.0**exponent) - 0.7)
+
+
+def viscosity_ratio(temperature_c: float) -> float:
+    """Viscosity over that at 20 °C; exactly 1 there."""
+    return kinematic_viscosity(temperature_c) / kinematic_viscosity(REFERENCE_TEMPERATURE_C)
+
+
+@njit(cache=True)
+def stiffness_share(parameters: Any, wheel: int, pressure: float) -> float:
+    """Stiffness of a wheel brake with air in it over that without, 1 without.
+
+    The volumes add: V(p) = p/k + V_a (1 - (p_0/(p_0 + p))^(1/n)), so the stiffness is dp/dV = 1/(1/k + dV_a/dp).
+
+    Parameters
+    ----------
+    pressure : Pa
+        Above the atmosphere's.
+    """
+    air = parameters.air_volume[wheel]
+    if air == 0.0:
+        return 1.0
+    ratio = ATMOSPHERE_PA / (ATMOSPHERE_PA + pressure)
+    compliance = air / (POLYTROPIC_EXPONENT * ATMOSPHERE_PA) * ratio ** (1.0 + 1.0 / POLYTROPIC_EXPONENT)
+    return float(1.0 / (1.0 + parameters.caliper_stiffness[wheel] * compliance))
