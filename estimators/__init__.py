@@ -4,6 +4,6 @@ from signals.compile_cache import prepare_compile_cache
 
 prepare_compile_cache()
 
-from estimators.registry import create, describe, names  # noqa: E402
+from estimators.registry import create, describe, groups, names  # noqa: E402
 
-__all__ = ["create", "describe", "names"]
+__all__ = ["create", "describe", "groups", "names"]

@@ -180,6 +180,15 @@ class CorneringStiffnessSettings(BaselineSettings):
         description="the integrated side-slip angle returns to that of steady rolling with it",
         source="assumed",
     )
+    roll_gradient: float = parameter(
+        "rad s^2/m",
+        0.0,
+        low=0.0,
+        high=0.05,
+        neutral=0.0,
+        description="roll angle per lateral acceleration; a rolled accelerometer feels a part of gravity",
+        source="assumed: a car that does not roll, as in the document",
+    )
     signal_time_constant: float = parameter(
         "s",
         0.02,

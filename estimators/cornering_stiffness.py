@@ -16,7 +16,7 @@ from estimators.inputs import INPUTS_LOST, VALUE, accept_inputs, forget_inputs, 
 from estimators.interface import Estimator
 from estimators.kalman.covariance import FloatArray, IntArray
 from estimators.longitudinal_inputs import axle_speeds
-from estimators.vehicle_numbers import longitudinal_car, required
+from estimators.vehicle_numbers import GRAVITY_M_S2, longitudinal_car, required
 
 (
     SAMPLE_TIME,
@@ -35,8 +35,9 @@ from estimators.vehicle_numbers import longitudinal_car, required
     YAW_WEIGHT,
     SIDE_SLIP_DECAY,
     SIGNAL_WEIGHT,
-) = range(16)
-_VALUES = 16
+    ROLL_FACTOR,
+) = range(17)
+_VALUES = 17
 
 IN_LONGITUDINAL, IN_LATERAL, IN_YAW_RATE, IN_STEERING = 0, 5, 6, 7
 
@@ -143,7 +144,8 @@ def _tick(
         state[_YAW_RATE_BEFORE] = guard[IN_YAW_RATE, VALUE]
         slopes[:] = 0.0
         return
-    lateral, yaw_rate = guard[IN_LATERAL, VALUE], guard[IN_YAW_RATE, VALUE]
+    # a body that leans out by c a under the lateral acceleration a makes the accelerometer read a + g sin(c a)
+    lateral, yaw_rate = guard[IN_LATERAL, VALUE] * values[ROLL_FACTOR], guard[IN_YAW_RATE, VALUE]
     _follow(state, values, speed, lateral, yaw_rate)
     steer = guard[IN_STEERING, VALUE] / values[STEERING_RATIO]
     angle_f, angle_r = axle_slip_angles(steer, state[_SIDE_SLIP], yaw_rate, speed, values)
@@ -189,6 +191,7 @@ class CorneringStiffnessRls(Estimator):
         values[SPAN], values[FLAT_SLOPE] = settings.slip_angle_span, settings.flat_slope
         values[YAW_WEIGHT] = min(1.0, sample_time_s / settings.yaw_acceleration_time_constant)
         values[SIDE_SLIP_DECAY] = math.exp(-sample_time_s / settings.side_slip_time_constant)
+        values[ROLL_FACTOR] = 1.0 / (1.0 + GRAVITY_M_S2 * settings.roll_gradient)
         values[SIGNAL_WEIGHT] = min(1.0, sample_time_s / settings.signal_time_constant)
         self.settings = settings
         self._state, self._slopes = np.zeros(_STATE_SIZE), np.zeros((2, 3))

@@ -41,8 +41,9 @@ class Description:
 
     Attributes
     ----------
-    name, summary, source
-        Name in files and on the command line, one line of explanation, document and section that define it.
+    name, group, summary, source
+        Name in files and on the command line, family of estimators that are compared with each other, one line of
+        explanation, document and section that define it.
     settings : type of FileModel
         Keys that a scenario or ``--set`` may give, validated.
     inputs : callable
@@ -54,6 +55,7 @@ class Description:
     """
 
     name: str
+    group: str
     summary: str
     source: str
     settings: type[FileModel]

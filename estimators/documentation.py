@@ -50,8 +50,9 @@ def _section(entry: Description) -> Iterator[str]:
         yield f"| `{output.name}` | {output.unit} | {output.description} | {_reference(output)} |"
     yield "\n| Key | Unit | Default | Allowed | Meaning |"
     yield "|---|---|---|---|---|"
-    for path, field in _fields(entry.settings):
-        yield f"| `{path}` | {unit_of(field) or ''} | {_default(field)} | {_allowed(field)} | {_meaning(field)} |"
+    for path, field in settings_fields(entry.settings):
+        cells = (f"`{path}`", unit_of(field) or "", default_text(field), allowed_text(field), _meaning(field))
+        yield f"| {' | '.join(cells)} |"
 
 
 def _reference(output: Output) -> str:
@@ -60,16 +61,18 @@ def _reference(output: Output) -> str:
     return quoted if len(output.references) < 2 else f"{combined} of {quoted}"
 
 
-def _fields(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, FieldInfo]]:
+def settings_fields(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, FieldInfo]]:
+    """Keys of a settings model with dots for groups, and their fields."""
     for name, field in model.model_fields.items():
         annotation = field.annotation
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-            yield from _fields(annotation, f"{prefix}{name}.")
+            yield from settings_fields(annotation, f"{prefix}{name}.")
         else:
             yield prefix + name, field
 
 
-def _default(field: FieldInfo) -> str:
+def default_text(field: FieldInfo) -> str:
+    """Default of a key as the tables show it."""
     value = field.get_default(call_default_factory=True, validated_data={})
     if value is PydanticUndefined:
         return "required"
@@ -78,7 +81,8 @@ def _default(field: FieldInfo) -> str:
     return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _allowed(field: FieldInfo) -> str:
+def allowed_text(field: FieldInfo) -> str:
+    """Choices or range of a key as the tables show them."""
     choices = [
         str(choice)
         for part in (field.annotation, *typing.get_args(field.annotation))

@@ -38,9 +38,10 @@ from estimators.inputs import FRESH, INPUTS_LOST, VALUE, accept_inputs, forget_i
 from estimators.interface import Estimator
 from estimators.kalman.correction import ROW_MISSING, ROW_USED, correct_rows
 from estimators.kalman.covariance import FloatArray, IntArray, all_finite, propagate_sparse
-from estimators.longitudinal_inputs import IN_ACCELERATION, axle_speeds, axle_torques, fresh_axles
+from estimators.longitudinal_inputs import IN_ACCELERATION, axle_speeds, axle_torques, fresh_axles, slower_wheels
 from estimators.longitudinal_start import RUN, START, STOP, decide, start_speed
-from estimators.vehicle_numbers import LongitudinalCar, longitudinal_car
+from estimators.vehicle_numbers import GRAVITY_M_S2, LongitudinalCar, longitudinal_car, tone_ring
+from estimators.wheel_speed_sensor import HISTORY_SIZE, bring_forward, forget_changes, is_lingering
 
 (
     SAMPLE_TIME,
@@ -51,15 +52,18 @@ from estimators.vehicle_numbers import LongitudinalCar, longitudinal_car
     MINIMUM_SPEED,
     HYSTERESIS,
     RATE_DECAY,
-) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 8)
-PROCESS_VARIANCE = RATE_DECAY + 1
+    TEETH,
+    WINDOW,
+    PITCH_FACTOR,
+) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 11)
+PROCESS_VARIANCE = PITCH_FACTOR + 1
 MEASUREMENT_VARIANCE = PROCESS_VARIANCE + STATES
 INITIAL_VARIANCE = MEASUREMENT_VARIANCE + MEASUREMENTS
 TUNING_SIZE = INITIAL_VARIANCE + STATES
 
 # rows of the memory, nine columns each
-_STATE, _PREDICTED, _EXPECTED, _TORQUES, _STATUS = range(5)
-_COVARIANCE = 5
+_STATE, _PREDICTED, _EXPECTED, _TORQUES, _STATUS, _NOISE = range(6)
+_COVARIANCE = 6
 _TRANSITION = _COVARIANCE + STATES
 _DESIGN = _TRANSITION + STATES
 _SCRATCH = _DESIGN + MEASUREMENTS
@@ -81,36 +85,51 @@ def _initialise(memory: FloatArray, tuning: FloatArray, speed: float, wheel_f: f
 
 
 @njit(cache=True)
-def _filter_step(memory: FloatArray, rows: IntArray, tuning: FloatArray, guard: FloatArray) -> None:
+def _filter_step(
+    memory: FloatArray, history: FloatArray, rows: IntArray, tuning: FloatArray, guard: FloatArray
+) -> None:
     state, predicted, expected = memory[_STATE], memory[_PREDICTED], memory[_EXPECTED, :MEASUREMENTS]
     covariance, transition = memory[_COVARIANCE:_TRANSITION], memory[_TRANSITION:_DESIGN]
     design, scratch = memory[_DESIGN:_SCRATCH], memory[_SCRATCH:_MEMORY_ROWS]
     variances = tuning[PROCESS_VARIANCE : PROCESS_VARIANCE + STATES]
     torques = memory[_TORQUES]
     axle_torques(guard, tuning[BRAKE_GAIN_F], tuning[BRAKE_GAIN_R], tuning[BRAKE_IS_CAPACITY] > 0.0, torques)
-    locked = predict(state, torques, tuning[SAMPLE_TIME], tuning, predicted, transition)
+    front, rear = axle_speeds(guard)
+    teeth, window = tuning[TEETH], tuning[WINDOW]
+    stale_f = is_lingering(front, teeth, window, tuning[RADIUS_F] * front, state[SPEED])
+    stale_r = is_lingering(rear, teeth, window, tuning[RADIUS_R] * rear, state[SPEED])
+    stopped_f, stopped_r = predict(state, torques, tuning[SAMPLE_TIME], tuning, predicted, transition)
+    # where neither wheel speed tells its axle's force, only the sum of both is observed
+    locked = (stopped_f or stale_f) and (stopped_r or stale_r)
     if locked:
         hold_force_rates(predicted, transition, tuning[RATE_DECAY])
     propagate_sparse(covariance, transition, TRANSITION_COLUMNS, variances, scratch)
+    change_f, change_r = predicted[WHEEL_F] - state[WHEEL_F], predicted[WHEEL_R] - state[WHEEL_R]
     state[:] = predicted
     if locked:
         share_force_noise(state, covariance, variances)
     measure(state, tuning, expected, design)
-    wheel_f, wheel_r = axle_speeds(guard)
-    expected[ROW_ACCELERATION] = guard[IN_ACCELERATION, VALUE] - expected[ROW_ACCELERATION]
-    expected[ROW_WHEEL_F] = wheel_f - expected[ROW_WHEEL_F]
-    expected[ROW_WHEEL_R] = wheel_r - expected[ROW_WHEEL_R]
+    noise, speeds = memory[_NOISE, :MEASUREMENTS], memory[_NOISE, MEASUREMENTS : MEASUREMENTS + 2]
+    for r in range(MEASUREMENTS):
+        noise[r] = tuning[MEASUREMENT_VARIANCE + r]
+    speeds[0], speeds[1] = front, rear
+    if teeth > 0.0:
+        bring_forward(history, teeth, window, tuning[SAMPLE_TIME], change_f, change_r, speeds, noise[ROW_WHEEL_F:])
+    acceleration = guard[IN_ACCELERATION, VALUE] * tuning[PITCH_FACTOR]
+    expected[ROW_ACCELERATION] = acceleration - expected[ROW_ACCELERATION]
+    expected[ROW_WHEEL_F] = speeds[0] - expected[ROW_WHEEL_F]
+    expected[ROW_WHEEL_R] = speeds[1] - expected[ROW_WHEEL_R]
     hold = tuning[HOLD_INPUTS] > 0.0
     fresh_f, fresh_r = fresh_axles(guard)
     rows[ROW_ACCELERATION] = ROW_USED if hold or guard[IN_ACCELERATION, FRESH] > 0.0 else ROW_MISSING
-    rows[ROW_WHEEL_F] = ROW_USED if hold or fresh_f else ROW_MISSING
-    rows[ROW_WHEEL_R] = ROW_USED if hold or fresh_r else ROW_MISSING
+    rows[ROW_WHEEL_F] = ROW_USED if (hold or fresh_f) and not stale_f else ROW_MISSING
+    rows[ROW_WHEEL_R] = ROW_USED if (hold or fresh_r) and not stale_r else ROW_MISSING
     memory[_STATUS, _INNOVATION] = correct_rows(
         state,
         covariance,
         expected,
         design,
-        tuning[MEASUREMENT_VARIANCE : MEASUREMENT_VARIANCE + MEASUREMENTS],
+        noise,
         rows,
         0.0,
         DESIGN_COLUMNS,
@@ -121,6 +140,7 @@ def _filter_step(memory: FloatArray, rows: IntArray, tuning: FloatArray, guard: 
 @njit(cache=True)
 def _tick(
     memory: FloatArray,
+    history: FloatArray,
     rows: IntArray,
     tuning: FloatArray,
     guard: FloatArray,
@@ -133,19 +153,23 @@ def _tick(
     verdict = accept_inputs(guard, positions, inputs, ages, tuning[SAMPLE_TIME])
     wheel_f, wheel_r = axle_speeds(guard)
     rim_f, rim_r = tuning[RADIUS_F] * wheel_f, tuning[RADIUS_R] * wheel_r
+    slower_f, slower_r = slower_wheels(guard)
     action = decide(
         status[_ACTIVE] > 0.0,
         verdict == INPUTS_LOST,
         rim_f,
         rim_r,
+        min(tuning[RADIUS_F] * slower_f, tuning[RADIUS_R] * slower_r),
         state[SPEED],
         tuning[MINIMUM_SPEED],
         tuning[HYSTERESIS],
     )
     if action == RUN:
-        _filter_step(memory, rows, tuning, guard)
+        _filter_step(memory, history, rows, tuning, guard)
         if not all_finite(state):
             action = STOP
+    else:
+        forget_changes(history)
     if action == START:
         speed = start_speed(guard[IN_ACCELERATION, VALUE], rim_f, rim_r)
         _initialise(memory, tuning, speed, wheel_f, wheel_r)
@@ -189,7 +213,7 @@ class ForceEkf(Estimator):
 
     def __init__(self, vehicle: Mapping[str, float], settings: ForceEkfSettings, sample_time_s: float = 0.001) -> None:
         self.settings = settings
-        tuning = _tuning(longitudinal_car(vehicle), settings, sample_time_s)
+        tuning = _tuning(vehicle, settings, sample_time_s)
         self._memory = np.zeros((_MEMORY_ROWS, STATES))
         self._tuning = tuning
         inputs = force_inputs(settings)
@@ -198,19 +222,24 @@ class ForceEkf(Estimator):
         self.covariance = self._memory[_COVARIANCE:_TRANSITION]
         super().__init__("force_ekf", inputs, sample_time_s)
         rows = np.zeros(MEASUREMENTS, dtype=np.int64)
-        self.tick = partial(_tick, self._memory, rows, tuning, self._guard, positions)
+        self._history = np.zeros((2, HISTORY_SIZE))
+        self.tick = partial(_tick, self._memory, self._history, rows, tuning, self._guard, positions)
         self.reset()
 
     def reset(self) -> None:
         """Return to the state of a new filter."""
         self._memory[_STATUS] = 0.0
         _initialise(self._memory, self._tuning, 0.0, 0.0, 0.0)
+        forget_changes(self._history)
         forget_inputs(self._guard)
 
 
-def _tuning(car: LongitudinalCar, settings: ForceEkfSettings, sample_time_s: float) -> FloatArray:
+def _tuning(vehicle: Mapping[str, float], settings: ForceEkfSettings, sample_time_s: float) -> FloatArray:
+    car = longitudinal_car(vehicle)
     values = np.zeros(TUNING_SIZE)
+    values[TEETH], values[WINDOW] = tone_ring(vehicle, settings.wheel_speed_teeth, settings.wheel_speed_window)
     values[:MODEL_PARAMETERS] = model_parameters(car, settings)
+    values[PITCH_FACTOR] = 1.0 / (1.0 + GRAVITY_M_S2 * settings.pitch_gradient)
     values[SAMPLE_TIME] = sample_time_s
     values[BRAKE_GAIN_F], values[BRAKE_GAIN_R] = car.brake_gain
     values[BRAKE_IS_CAPACITY] = settings.brake_torque == "capacity"

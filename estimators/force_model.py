@@ -75,8 +75,8 @@ def predict(
     parameters: FloatArray,
     predicted: FloatArray,
     transition: FloatArray,
-) -> bool:
-    """Explicit Euler step f and its Jacobian F (eqs 84 and 86 as corrected); True while the brakes hold both axles.
+) -> tuple[bool, bool]:
+    """Explicit Euler step f and its Jacobian F (eqs 84 and 86 as corrected); whether the brakes hold front and rear.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def predict(
         transition[force, force] = 1.0
         transition[force, force + 1] = time_step
         transition[force + 1, force + 1] = 1.0
-    return stopped_f and stopped_r
+    return stopped_f, stopped_r
 
 
 @njit(cache=True)

@@ -1,16 +1,16 @@
 """Extended Kalman filter for the friction between tyre and road (Enisz 2015, chapter on stage 2).
 
 Nine states, eight measurement rows; friction document, section 3.6. The model is in :mod:`estimators.friction_model`,
-its Jacobians in :mod:`estimators.friction_jacobians`, start and reset in :mod:`estimators.friction_step`, outputs in
-:mod:`estimators.friction_results`.
+its Jacobians in :mod:`estimators.friction_jacobians`, start and reset in :mod:`estimators.friction_step`, the tick
+around the filter step in :mod:`estimators.friction_filter`, outputs in :mod:`estimators.friction_results`.
 """
 
 from collections.abc import Mapping
 from functools import partial
 
-import numpy as np
 from numba import njit
 
+from estimators.friction_filter import FrictionFilter, finish_tick, prepare_step
 from estimators.friction_jacobians import (
     DESIGN_COLUMNS,
     MEASUREMENTS,
@@ -22,10 +22,8 @@ from estimators.friction_jacobians import (
     predict,
     share_limit_noise,
 )
-from estimators.friction_model import AXLES, SPEED, STATES, STOPPED_F, STOPPED_R, WHEEL_F, WHEEL_R
-from estimators.friction_results import write_outputs
-from estimators.friction_settings import FrictionEkfSettings, friction_inputs
-from estimators.friction_setup import friction_tuning, post_filter_delay, post_filter_memory
+from estimators.friction_model import AXLES, STATES, STOPPED_F, STOPPED_R, WHEEL_F, WHEEL_R
+from estimators.friction_settings import FrictionEkfSettings
 from estimators.friction_step import (
     GATE,
     INNOVATION,
@@ -33,22 +31,11 @@ from estimators.friction_step import (
     LOCKED_RATE_DECAY,
     PROCESS_VARIANCE,
     SAMPLE_TIME,
-    STATUS_SIZE,
     SUBSTEPS,
-    begin_tick,
-    bring_forward,
-    build_measurement,
-    forget_everything,
-    guard_limits,
-    read_torques,
-    stop,
+    compensate_sensors,
 )
-from estimators.inputs import input_guard
-from estimators.interface import Estimator
 from estimators.kalman.correction import ROW_STALE, correct_rows
-from estimators.kalman.covariance import FloatArray, IntArray, all_finite, propagate_sparse
-from estimators.longitudinal_start import RUN
-from estimators.wheel_speed_sensor import HISTORY_SIZE, forget_changes
+from estimators.kalman.covariance import FloatArray, IntArray, propagate_sparse
 
 # rows of the memory, nine columns each
 _STATE, _PREDICTED, _EXPECTED, _MEASURED, _TORQUES, _NOISE = range(6)
@@ -99,7 +86,7 @@ def filter_step(
         if blind_f and blind_r:
             share_limit_noise(covariance, variances)
         state[:] = predicted
-    bring_forward(history, tuning, state[WHEEL_F] - before_f, state[WHEEL_R] - before_r, measured, noise)
+    compensate_sensors(history, tuning, state[WHEEL_F] - before_f, state[WHEEL_R] - before_r, measured, noise)
     expected = memory[_EXPECTED, :MEASUREMENTS]
     measure(state, tuning, forces, expected, design)
     for r in range(MEASUREMENTS):
@@ -131,55 +118,29 @@ def _tick(
     ages: FloatArray,
     out: FloatArray,
 ) -> None:
-    state = memory[_STATE]
-    covariance = memory[_COVARIANCE:_TRANSITION]
-    if begin_tick(state, covariance, status, tuning, guard, positions, inputs, ages) == RUN:
-        torques, measured = memory[_TORQUES], memory[_MEASURED]
-        read_torques(guard, tuning, torques)
-        build_measurement(guard, tuning, status, state[SPEED], measured, rows)
+    state, covariance = memory[_STATE], memory[_COVARIANCE:_TRANSITION]
+    torques, measured = memory[_TORQUES], memory[_MEASURED]
+    stepped = prepare_step(
+        state, covariance, status, history, tuning, guard, positions, inputs, ages, torques, measured, rows
+    )
+    if stepped:
         status[INNOVATION] = filter_step(memory, history, tuning, torques, measured, rows)
-        guard_limits(state, tuning)
-        if not all_finite(state):
-            stop(state, covariance, status, tuning)
-    else:
-        forget_changes(history)
     forces = memory[_FORCES:_MEMORY_ROWS].ravel()[:24].reshape(4, 6)
-    write_outputs(state, covariance, status, tuning, forces, filters, out)
+    finish_tick(stepped, state, covariance, status, tuning, forces, filters, out)
 
 
-class FrictionEkf(Estimator):
-    """Friction EKF; build it with :func:`estimators.create`.
+class FrictionEkf(FrictionFilter):
+    """Friction EKF; build it with :func:`estimators.create`."""
 
-    Attributes
-    ----------
-    state : array, shape (9,)
-        Speed [m/s], wheel speeds front, rear [rad/s], slips front, rear, friction limit front, its rate [1/s], friction
-        limit rear, its rate; a view, valid while ``active``.
-    covariance : array, shape (9, 9)
-        View of the covariance of the state.
-    post_filter_delay_s : float
-        Delay of the ``..._filtered`` outputs for slow changes [s].
-    """
+    settings: FrictionEkfSettings
 
     def __init__(
         self, vehicle: Mapping[str, float], settings: FrictionEkfSettings, sample_time_s: float = 0.001
     ) -> None:
-        self.settings = settings
-        self._tuning = friction_tuning(vehicle, settings, sample_time_s)
+        super().__init__("friction_ekf", vehicle, settings, sample_time_s, _MEMORY_ROWS, _COVARIANCE)
         self._tuning[GATE] = settings.gate**2
         self._tuning[SUBSTEPS] = settings.prediction_substeps
         self._tuning[PROCESS_VARIANCE : PROCESS_VARIANCE + STATES] /= settings.prediction_substeps
-        self._memory = np.zeros((_MEMORY_ROWS, STATES))
-        self._history = np.zeros((2, HISTORY_SIZE))
-        self._status = np.zeros(STATUS_SIZE)
-        self._filters = post_filter_memory(settings)
-        self.post_filter_delay_s = post_filter_delay(settings, sample_time_s)
-        self._rows = np.zeros(MEASUREMENTS, dtype=np.int64)
-        inputs = friction_inputs(settings)
-        self._guard, self._positions = input_guard(inputs, settings.input_timeout)
-        self.state = self._memory[_STATE]
-        self.covariance = self._memory[_COVARIANCE:_TRANSITION]
-        super().__init__("friction_ekf", inputs, sample_time_s)
         self.tick = partial(
             _tick,
             self._memory,
@@ -191,8 +152,3 @@ class FrictionEkf(Estimator):
             self._guard,
             self._positions,
         )
-        self.reset()
-
-    def reset(self) -> None:
-        """Return to the state of a new filter."""
-        forget_everything(self.state, self.covariance, self._status, self._history, self._tuning, self._guard)

@@ -126,6 +126,14 @@ class FrictionSettings(FileModel):
         description="guard: a friction limit that falls below is put there",
         source="assumed",
     )
+    largest_friction_limit: float = parameter(
+        "1",
+        2.5,
+        low=0.5,
+        high=100.0,
+        description="guard: a friction limit that rises above is put there; at a slip near zero it would grow for ever",
+        source="assumed: no tyre on a road reaches it",
+    )
     speed_row_delay: float = parameter(
         "s",
         1.0,

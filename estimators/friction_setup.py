@@ -17,7 +17,7 @@ from estimators.friction_settings import (
 )
 from estimators.kalman.covariance import FloatArray
 from estimators.post_filter import LOW_PASS, MEDIAN, NO_FILTER, memory_size
-from estimators.vehicle_numbers import GRAVITY_M_S2, LongitudinalCar, longitudinal_car
+from estimators.vehicle_numbers import GRAVITY_M_S2, LongitudinalCar, longitudinal_car, tone_ring
 
 _REFERENCE_STEP_S = 1e-3
 _POST_FILTERS = {"none": NO_FILTER, "low_pass": LOW_PASS, "median": MEDIAN}
@@ -59,6 +59,7 @@ def friction_tuning(vehicle: Mapping[str, float], settings: FrictionSettings, sa
     values[step.MINIMUM_SPEED] = minimum_speed(settings)
     values[step.HYSTERESIS] = settings.speed_hysteresis
     values[step.SMALLEST_LIMIT] = settings.smallest_friction_limit
+    values[step.LARGEST_LIMIT] = settings.largest_friction_limit
     values[step.SPEED_ROW_DELAY] = settings.speed_row_delay
     values[step.BRAKING_START] = settings.braking_start
     values[step.PRIOR_LIMIT] = settings.prior_friction_limit
@@ -68,7 +69,8 @@ def friction_tuning(vehicle: Mapping[str, float], settings: FrictionSettings, sa
     values[step.POST_FILTER_WEIGHT] = min(1.0, sample_time_s / settings.post_filter_time_constant)
     values[step.LOCKED_RATE_DECAY] = math.exp(-sample_time_s / settings.locked_rate_time_constant)
     values[step.PITCH_FACTOR] = 1.0 / (1.0 + GRAVITY_M_S2 * settings.pitch_gradient)
-    values[step.TEETH], values[step.WINDOW] = _tone_ring(vehicle, settings) if known else (0.0, 0.0)
+    ring = tone_ring(vehicle, settings.wheel_speed_teeth, settings.wheel_speed_window)
+    values[step.TEETH], values[step.WINDOW] = ring if known else (0.0, 0.0)
     values[step.SUBSTEPS] = 1
     process = np.square(process_deviations(settings)) * (sample_time_s / _REFERENCE_STEP_S)
     values[step.PROCESS_VARIANCE : step.PROCESS_VARIANCE + model.STATES] = process
@@ -76,15 +78,6 @@ def friction_tuning(vehicle: Mapping[str, float], settings: FrictionSettings, sa
     values[step.MEASUREMENT_VARIANCE : step.INITIAL_VARIANCE] = rows
     values[step.INITIAL_VARIANCE : step.INITIAL_VARIANCE + model.STATES] = np.square(initial_deviations(settings))
     return values
-
-
-def _tone_ring(vehicle: Mapping[str, float], settings: FrictionSettings) -> tuple[float, float]:
-    """Teeth and window [s] of the wheel-speed sensors."""
-    teeth, window = settings.wheel_speed_teeth, settings.wheel_speed_window
-    return (
-        vehicle.get("sensors.wheel_speed.teeth", 0.0) if teeth is None else teeth,
-        vehicle.get("sensors.wheel_speed.window", 0.0) if window is None else window,
-    )
 
 
 def post_filter_memory(settings: FrictionSettings) -> FloatArray:

@@ -3,8 +3,6 @@
 Friction document, sections 3.6.2 and 3.6.7.
 """
 
-import math
-
 from numba import njit
 
 from estimators.friction_jacobians import (
@@ -37,15 +35,9 @@ from estimators.friction_model import (
 from estimators.inputs import FRESH, INPUTS_LOST, VALUE, accept_inputs, forget_inputs
 from estimators.kalman.correction import ROW_MISSING, ROW_STALE, ROW_USED
 from estimators.kalman.covariance import FloatArray, IntArray
-from estimators.longitudinal_inputs import IN_ACCELERATION, axle_speeds, axle_torques, fresh_axles
-from estimators.longitudinal_start import START, STOP, decide, start_speed
-from estimators.wheel_speed_sensor import (
-    change_since,
-    forget_changes,
-    remember_change,
-    sample_delay,
-    time_between_edges,
-)
+from estimators.longitudinal_inputs import IN_ACCELERATION, axle_speeds, axle_torques, fresh_axles, slower_wheels
+from estimators.longitudinal_start import IDLE, START, STOP, decide, start_speed
+from estimators.wheel_speed_sensor import bring_forward, forget_changes, is_lingering
 
 # tuning: one float64 array, the parameters of the model first
 (
@@ -59,6 +51,7 @@ from estimators.wheel_speed_sensor import (
     MINIMUM_SPEED,
     HYSTERESIS,
     SMALLEST_LIMIT,
+    LARGEST_LIMIT,
     SPEED_ROW_DELAY,
     BRAKING_START,
     PRIOR_LIMIT,
@@ -72,17 +65,20 @@ from estimators.wheel_speed_sensor import (
     TEETH,
     WINDOW,
     SUBSTEPS,
-) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 23)
+) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 24)
 PROCESS_VARIANCE = SUBSTEPS + 1
 MEASUREMENT_VARIANCE = PROCESS_VARIANCE + STATES
 INITIAL_VARIANCE = MEASUREMENT_VARIANCE + MEASUREMENTS
 TUNING_SIZE = INITIAL_VARIANCE + STATES
-DEEP_SLIP = 0.5
-"""Wheel speed over that of the car below which a wheel is on its way to locking."""
 
 # status: one float64 array, then the memories of three post-filters
 ACTIVE, RESETS, CONFIDENT_F, CONFIDENT_R, CONFIDENT_M, INPUT_STATE, INNOVATION, SPEED_ROW_WAIT = range(8)
-STATUS_SIZE = 8
+WAS_LOST, RIM_MEAN, ROLLING_TIME = range(8, 11)
+STATUS_SIZE = 11
+
+_RIM_WINDOW_S = 0.02
+_ROLLING_MARGIN_M_S2 = 8.0
+_ROLLING_TIME_S = 0.03
 
 
 @njit(cache=True)
@@ -107,15 +103,21 @@ def begin_tick(
     status[INPUT_STATE] = verdict
     wheel_f, wheel_r = axle_speeds(guard)
     rim_f, rim_r = tuning[RADIUS_F] * wheel_f, tuning[RADIUS_R] * wheel_r
+    slower_f, slower_r = slower_wheels(guard)
     action = decide(
         status[ACTIVE] > 0.0,
         verdict == INPUTS_LOST,
         rim_f,
         rim_r,
+        min(tuning[RADIUS_F] * slower_f, tuning[RADIUS_R] * slower_r),
         state[SPEED],
         tuning[MINIMUM_SPEED],
         tuning[HYSTERESIS],
     )
+    if status[WAS_LOST] > 0.0 and verdict != INPUTS_LOST:
+        rolls = _rolls(status, tuning, max(rim_f, rim_r), guard[IN_ACCELERATION, VALUE])
+        if action == START and not rolls:
+            action = IDLE
     if action == START:
         acceleration = guard[IN_ACCELERATION, VALUE]
         initialise(state, covariance, tuning, start_speed(acceleration, rim_f, rim_r), wheel_f, wheel_r)
@@ -128,7 +130,26 @@ def begin_tick(
             status[SPEED_ROW_WAIT] = tuning[SPEED_ROW_DELAY]
     elif action == STOP:
         stop(state, covariance, status, tuning)
+        if verdict == INPUTS_LOST:
+            status[WAS_LOST], status[RIM_MEAN], status[ROLLING_TIME] = 1.0, 0.0, 0.0
     return action
+
+
+@njit(cache=True)
+def _rolls(status: FloatArray, tuning: FloatArray, rim: float, acceleration: float) -> bool:
+    """Whether the wheels tell the car's speed after a loss of inputs.
+
+    In a braked car they do not while they are on the way into slip or locked: a filter that started from them would be
+    wrong and sure of it. They are believed once their speed has changed like the car's for some time.
+    """
+    if acceleration >= -tuning[BRAKING_START]:
+        return True
+    before = status[RIM_MEAN]
+    status[RIM_MEAN] = rim if before == 0.0 else before + (rim - before) * tuning[SAMPLE_TIME] / _RIM_WINDOW_S
+    # a first-order lag follows a ramp by its slope times the time constant
+    like_the_car = before > 0.0 and abs((rim - before) / _RIM_WINDOW_S - acceleration) < _ROLLING_MARGIN_M_S2
+    status[ROLLING_TIME] = status[ROLLING_TIME] + tuning[SAMPLE_TIME] if like_the_car else 0.0
+    return bool(status[ROLLING_TIME] >= _ROLLING_TIME_S)
 
 
 @njit(cache=True)
@@ -233,17 +254,11 @@ def build_measurement(
 
 @njit(cache=True)
 def _is_stale(wheel_speed: float, radius: int, speed: float, tuning: FloatArray) -> bool:
-    """A locking wheel gives no more pulses: what is left of its measured speed is the age of the last one.
-
-    The brake's known capacity then says when it stands; believed, the lingering speed would be taken for a road that
-    carries the whole torque of the brake.
-    """
-    pulses = wheel_speed * tuning[TEETH] * tuning[WINDOW] / (2.0 * math.pi)
-    return 0.0 < pulses < 1.0 and tuning[radius] * wheel_speed < DEEP_SLIP * speed
+    return is_lingering(wheel_speed, tuning[TEETH], tuning[WINDOW], tuning[radius] * wheel_speed, speed)
 
 
 @njit(cache=True)
-def bring_forward(
+def compensate_sensors(
     history: FloatArray,
     tuning: FloatArray,
     change_f: float,
@@ -251,10 +266,7 @@ def bring_forward(
     measured: FloatArray,
     variances: FloatArray,
 ) -> None:
-    """Add to the measured wheel speeds what the model says they changed by since they were true.
-
-    When the last edge passed before the sample is not known, only that it was less than the time between two edges: as
-    much as the speed changed in that time is uncertain.
+    """Noise variances of the rows; wheel speeds brought forward to this tick where they come from tone rings.
 
     Parameters
     ----------
@@ -265,27 +277,29 @@ def bring_forward(
     measured : array, shape (8,)
         Its rows of the wheel speeds are changed.
     variances : array, shape (8,)
-        Filled with the noise variances of the rows.
+        Filled.
     """
     for r in range(MEASUREMENTS):
         variances[r] = tuning[MEASUREMENT_VARIANCE + r]
-    if tuning[TEETH] <= 0.0:
-        return
-    remember_change(history, change_f, change_r)
-    for axle in range(2):
-        row = ROW_WHEEL_F + axle
-        delay = sample_delay(measured[row], tuning[TEETH], tuning[WINDOW])
-        if delay > 0.0:
-            moved = change_since(history, axle, delay / tuning[SAMPLE_TIME])
-            uncertain = moved * time_between_edges(measured[row], tuning[TEETH]) / delay
-            variances[row] += uncertain * uncertain / 12.0
-            measured[row] = max(0.0, measured[row] + moved)
+    if tuning[TEETH] > 0.0:
+        wheels = slice(ROW_WHEEL_F, ROW_WHEEL_R + 1)
+        bring_forward(
+            history, tuning[TEETH], tuning[WINDOW], tuning[SAMPLE_TIME], change_f, change_r, measured[wheels],
+            variances[wheels],
+        )  # fmt: skip
 
 
 @njit(cache=True)
 def guard_limits(state: FloatArray, tuning: FloatArray) -> None:
-    """Keep the friction limits above their smallest value; below zero the tyre curve would be turned over."""
+    """Keep the friction limits between their guards.
+
+    Below zero the tyre curve would be turned over. At a slip near zero, such as that of a wrong speed, no limit makes
+    the force that the accelerometer tells, and the filter would raise it without end.
+    """
     for limit in (LIMIT_F, LIMIT_R):
         if state[limit] < tuning[SMALLEST_LIMIT]:
             state[limit] = tuning[SMALLEST_LIMIT]
             state[limit + 1] = max(state[limit + 1], 0.0)
+        elif state[limit] > tuning[LARGEST_LIMIT]:
+            state[limit] = tuning[LARGEST_LIMIT]
+            state[limit + 1] = min(state[limit + 1], 0.0)

@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 from numba import njit
 
+from estimators.friction_filter import FrictionFilter, finish_tick, prepare_step
 from estimators.friction_jacobians import (
     MEASUREMENTS,
     ROW_ACCELERATION,
@@ -44,28 +45,17 @@ from estimators.friction_model import (
     slip_ratio,
     wheel_acceleration,
 )
-from estimators.friction_results import write_outputs
-from estimators.friction_settings import FrictionUkfSettings, friction_inputs
-from estimators.friction_setup import friction_tuning, post_filter_delay, post_filter_memory
+from estimators.friction_settings import FrictionUkfSettings
 from estimators.friction_step import (
     INNOVATION,
     KINEMATIC_WHEELS,
     LOCKED_RATE_DECAY,
     PROCESS_VARIANCE,
     SAMPLE_TIME,
-    STATUS_SIZE,
-    begin_tick,
-    bring_forward,
-    build_measurement,
-    forget_everything,
-    guard_limits,
-    read_torques,
-    stop,
+    compensate_sensors,
 )
-from estimators.inputs import input_guard
-from estimators.interface import Estimator
 from estimators.kalman.correction import ROW_STALE
-from estimators.kalman.covariance import FloatArray, IntArray, all_finite
+from estimators.kalman.covariance import FloatArray, IntArray
 from estimators.kalman.sigma_points import (
     correct_points,
     cubature_weights,
@@ -74,8 +64,6 @@ from estimators.kalman.sigma_points import (
     unscented_weights,
 )
 from estimators.longitudinal_inputs import BRAKE_F, BRAKE_R, DRIVE_F, DRIVE_R
-from estimators.longitudinal_start import RUN
-from estimators.wheel_speed_sensor import HISTORY_SIZE, forget_changes
 
 POINTS = 2 * STATES + 1
 
@@ -167,7 +155,7 @@ def filter_step(
             points[k, RATE_R] *= tuning[LOCKED_RATE_DECAY]
     before_f, before_r = state[WHEEL_F], state[WHEEL_R]
     predict_points(points, mean_weights, covariance_weights, noise, state, covariance)
-    bring_forward(
+    compensate_sensors(
         history, tuning, state[WHEEL_F] - before_f, state[WHEEL_R] - before_r, second[_MEASURED], second[_VARIANCES]
     )
     for r in range(MEASUREMENTS):
@@ -212,30 +200,26 @@ def _tick(
     ages: FloatArray,
     out: FloatArray,
 ) -> None:
-    state = memory[_STATE]
-    covariance = memory[_COVARIANCE:_FACTOR]
-    if begin_tick(state, covariance, status, tuning, guard, positions, inputs, ages) == RUN:
-        read_torques(guard, tuning, memory[_TORQUES])
-        build_measurement(guard, tuning, status, state[SPEED], second[_MEASURED], rows)
+    state, covariance = memory[_STATE], memory[_COVARIANCE:_FACTOR]
+    torques, measured = memory[_TORQUES], second[_MEASURED]
+    stepped = prepare_step(
+        state, covariance, status, history, tuning, guard, positions, inputs, ages, torques, measured, rows
+    )
+    if stepped:
         status[INNOVATION] = filter_step(memory, second, history, tuning, weights, rows)
-        guard_limits(state, tuning)
-        if not (all_finite(state) and np.isfinite(status[INNOVATION])):
-            stop(state, covariance, status, tuning)
-    else:
-        forget_changes(history)
     forces = memory[_FORCES:_MEMORY_ROWS].ravel()[:24].reshape(4, 6)
-    write_outputs(state, covariance, status, tuning, forces, filters, out)
+    finish_tick(stepped, state, covariance, status, tuning, forces, filters, out)
 
 
-class FrictionUkf(Estimator):
-    """Friction UKF; build it with :func:`estimators.create`. ``state`` and ``covariance`` as in the friction EKF."""
+class FrictionUkf(FrictionFilter):
+    """Friction UKF; build it with :func:`estimators.create`."""
+
+    settings: FrictionUkfSettings
 
     def __init__(
         self, vehicle: Mapping[str, float], settings: FrictionUkfSettings, sample_time_s: float = 0.001
     ) -> None:
-        self.settings = settings
-        self._tuning = friction_tuning(vehicle, settings, sample_time_s)
-        self._memory = np.zeros((_MEMORY_ROWS, STATES))
+        super().__init__("friction_ukf", vehicle, settings, sample_time_s, _MEMORY_ROWS, _COVARIANCE)
         self._second = np.zeros((_MEASUREMENT_ROWS, MEASUREMENTS))
         self._memory[_NOISE:_POINTS] = np.diag(self._tuning[PROCESS_VARIANCE : PROCESS_VARIANCE + STATES])
         self._weights = np.zeros((3, POINTS))
@@ -245,16 +229,6 @@ class FrictionUkf(Estimator):
             else unscented_weights(STATES, settings.alpha, settings.beta, settings.kappa)
         )
         self._weights[0], self._weights[1], self._weights[2, 0] = mean, covariance, spread
-        self._history = np.zeros((2, HISTORY_SIZE))
-        self._status = np.zeros(STATUS_SIZE)
-        self._filters = post_filter_memory(settings)
-        self.post_filter_delay_s = post_filter_delay(settings, sample_time_s)
-        rows = np.zeros(MEASUREMENTS, dtype=np.int64)
-        inputs = friction_inputs(settings)
-        self._guard, positions = input_guard(inputs, settings.input_timeout)
-        self.state = self._memory[_STATE]
-        self.covariance = self._memory[_COVARIANCE:_FACTOR]
-        super().__init__("friction_ukf", inputs, sample_time_s)
         self.tick = partial(
             _tick,
             self._memory,
@@ -263,13 +237,8 @@ class FrictionUkf(Estimator):
             self._weights,
             self._status,
             self._filters,
-            rows,
+            self._rows,
             self._tuning,
             self._guard,
-            positions,
+            self._positions,
         )
-        self.reset()
-
-    def reset(self) -> None:
-        """Return to the state of a new filter."""
-        forget_everything(self.state, self.covariance, self._status, self._history, self._tuning, self._guard)

@@ -24,6 +24,14 @@ def axle_speeds(guard: FloatArray) -> tuple[float, float]:
 
 
 @njit(cache=True)
+def slower_wheels(guard: FloatArray) -> tuple[float, float]:
+    """Speed of the slower wheel of the front and of the rear axle [rad/s]."""
+    front = min(guard[IN_WHEEL_FL, VALUE], guard[IN_WHEEL_FR, VALUE])
+    rear = min(guard[IN_WHEEL_RL, VALUE], guard[IN_WHEEL_RR, VALUE])
+    return front, rear
+
+
+@njit(cache=True)
 def fresh_axles(guard: FloatArray) -> tuple[bool, bool]:
     """Whether both wheel speeds of the front and of the rear axle are new in this tick."""
     front = guard[IN_WHEEL_FL, FRESH] * guard[IN_WHEEL_FR, FRESH] > 0.0

@@ -100,6 +100,14 @@ def longitudinal_car(vehicle: Mapping[str, float], *, with_brakes: bool = True) 
     )
 
 
+def tone_ring(vehicle: Mapping[str, float], teeth: float | None, window: float | None) -> tuple[float, float]:
+    """Teeth and window [s] of the wheel-speed sensors; the vehicle's where a setting leaves them out."""
+    return (
+        float(vehicle.get("sensors.wheel_speed.teeth", 0.0)) if teeth is None else teeth,
+        float(vehicle.get("sensors.wheel_speed.window", 0.0)) if window is None else window,
+    )
+
+
 def _mean(vehicle: Mapping[str, float], name: str, wheels: tuple[str, str]) -> float:
     return 0.5 * sum(required(vehicle, f"wheels.{wheel}.{name}") for wheel in wheels)
 

@@ -15,6 +15,8 @@ from estimators.kalman.covariance import FloatArray
 HISTORY = 64
 _POSITION, _NOW = HISTORY, HISTORY + 1
 HISTORY_SIZE = HISTORY + 2
+DEEP_SLIP = 0.5
+"""Wheel speed over that of the car below which a wheel is on its way to locking."""
 
 
 @njit(cache=True)
@@ -62,3 +64,49 @@ def sample_delay(wheel_speed: float, teeth: float, window: float) -> float:
         return 0.0
     between = time_between_edges(wheel_speed, teeth)
     return 0.5 * (max(window, between) + between)
+
+
+@njit(cache=True)
+def is_lingering(wheel_speed: float, teeth: float, window: float, rim_speed: float, speed: float) -> bool:
+    """A locking wheel gives no more pulses: what is left of its measured speed is the age of the last one.
+
+    The brake's known capacity then says when it stands; believed, the lingering speed would be taken for a road that
+    carries the whole torque of the brake.
+    """
+    pulses = wheel_speed * teeth * window / (2.0 * math.pi)
+    return 0.0 < pulses < 1.0 and rim_speed < DEEP_SLIP * speed
+
+
+@njit(cache=True)
+def bring_forward(
+    history: FloatArray,
+    teeth: float,
+    window: float,
+    sample_time: float,
+    change_f: float,
+    change_r: float,
+    measured: FloatArray,
+    variances: FloatArray,
+) -> None:
+    """Add to the measured wheel speeds what the model says they changed by since they were true.
+
+    When the last edge passed before the sample is not known, only that it was less than the time between two edges: as
+    much as the speed changed in that time is uncertain.
+
+    Parameters
+    ----------
+    history : array, shape (2, 66)
+        Of :func:`remember_change`, changed.
+    change_f, change_r : float
+        Change of the wheel speeds in this tick's prediction [rad/s].
+    measured, variances : arrays, shape (2,)
+        Wheel speeds front and rear [rad/s] and their noise variances, changed.
+    """
+    remember_change(history, change_f, change_r)
+    for axle in range(2):
+        delay = sample_delay(measured[axle], teeth, window)
+        if delay > 0.0:
+            moved = change_since(history, axle, delay / sample_time)
+            uncertain = moved * time_between_edges(measured[axle], teeth) / delay
+            variances[axle] += uncertain * uncertain / 12.0
+            measured[axle] = max(0.0, measured[axle] + moved)

@@ -82,6 +82,7 @@ def _hydraulics() -> list[Signal]:
         ),
         _signal(block, "accumulator_pressure", "Pa", "low-pressure accumulator, worst circuit"),
         *_wheels(block, "brake_torque_capacity", "N m", "torque that the brake can transmit"),
+        *_wheels(block, "brake_disc_temperature", "degC", "temperature of the brake disc"),
     ]
 
 
@@ -158,6 +159,7 @@ def _bus() -> list[Signal]:
         _signal(block, "drive_torque_r", "N m", "drive torque of the rear axle"),
         _signal(block, "steering_wheel_angle", "rad", "steering-wheel angle, positive to the left"),
         _signal(block, "steering_command", "rad", "commanded road-wheel angle"),
+        _signal(block, "road_wheel_angle", "rad", "mean road-wheel angle of the front wheels, positive to the left"),
         _signal(block, "ignition", "1", "1 while the ignition is on"),
         *_wheels(block, "valve_inlet", "1", "inlet valve energised (closed)"),
         *_wheels(block, "valve_outlet", "1", "outlet valve energised (open)"),

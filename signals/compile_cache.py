@@ -72,6 +72,11 @@ class _BeforeNumba(MetaPathFinder):
             _set_folder()
 
 
+def compile_folder() -> Path:
+    """Folder of the compiled code, set for this process and its children if nobody has set it."""
+    return Path(os.environ.get("NUMBA_CACHE_DIR") or _set_folder())
+
+
 def _set_folder() -> str:
     folder = str(cache_root() / "compiled" / source_hash(Path(__file__).resolve().parent.parent))
     os.environ.setdefault("NUMBA_CACHE_DIR", folder)

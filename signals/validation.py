@@ -170,13 +170,13 @@ def _has_field(kinds: list[Any], name: str | int) -> bool:
     return any(_is_model(kind) and name in fields_of(kind) for kind in kinds)
 
 
-def _alternatives(annotation: Any) -> list[Any]:
+def alternatives(annotation: Any) -> list[Any]:
     """Members of a union, without None and without annotations."""
     origin = get_origin(annotation)
     if origin is Annotated:
-        return _alternatives(get_args(annotation)[0])
+        return alternatives(get_args(annotation)[0])
     if origin in (Union, types.UnionType):
-        return [kind for member in get_args(annotation) for kind in _alternatives(member) if kind is not type(None)]
+        return [kind for member in get_args(annotation) for kind in alternatives(member) if kind is not type(None)]
     return [annotation]
 
 
@@ -184,12 +184,12 @@ def _descend(kinds: list[Any], part: str | int) -> tuple[FieldInfo | None, list[
     for kind in kinds:
         if _is_model(kind) and part in fields_of(kind):
             field = fields_of(kind)[str(part)]
-            return field, _alternatives(field.annotation)
+            return field, alternatives(field.annotation)
         origin, arguments = get_origin(kind), get_args(kind)
         if origin is list and isinstance(part, int):
-            return None, _alternatives(arguments[0])
+            return None, alternatives(arguments[0])
         if origin is dict:
-            return None, _alternatives(arguments[1])
+            return None, alternatives(arguments[1])
     return None, []
 
 
@@ -210,7 +210,7 @@ def describe(field: FieldInfo | None) -> str:
         return range_text(unit, *limits_of(field))
     choices = [
         str(choice)
-        for kind in _alternatives(field.annotation)
+        for kind in alternatives(field.annotation)
         if get_origin(kind) is Literal
         for choice in get_args(kind)
     ]

@@ -36,6 +36,12 @@ def read_csv(path: Path, sources: Sequence[str], clock: Clock) -> RawChannels:
     return _with_clock(path, columns, time_name, sources, clock)
 
 
+def csv_names(path: Path) -> list[str]:
+    """Names of the columns of a CSV file; InputError if it has no header."""
+    with _open_text(path) as file:
+        return _layout(path, [line for line in (file.readline() for _ in range(_HEADER_LINES)) if line])[2]
+
+
 def _open_text(path: Path) -> IO[str]:
     if path.suffix == ".gz":
         return gzip.open(path, "rt", encoding="utf-8-sig", errors="replace", newline="")

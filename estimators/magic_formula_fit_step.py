@@ -1,0 +1,151 @@
+"""Buffer, threshold and mode of one friction curve: when to fit, and what becomes of the result (3.4), compiled."""
+
+from typing import Any
+
+from numba import njit
+
+from estimators.kalman.covariance import FloatArray
+from estimators.magic_formula_fit_solver import deviation, fit_curve, line_deviation, r_squared
+from estimators.vehicle_state_record import BUFFER, CURVED, LINEAR, LOG_ROWS
+
+_GROWTH = 1.02
+"""Slip by which the data have to grow before a fit that was refused is tried again."""
+_TOLERANCE = 0.95
+
+
+@njit(cache=True)
+def forget_curve(curve: Any, t: Any, direction: int) -> None:
+    """A curve of which nothing is known."""
+    curve.mode, curve.count, curve.sign, curve.stride, curve.skipped = LINEAR, 0, 0.0, 1, 0
+    curve.b, curve.d = t.initial_b, 0.0
+    curve.threshold = t.start_threshold[direction]
+    curve.next_try, curve.pending, curve.handed_over = 0.0, 0, 0
+    curve.attained, curve.objective, curve.r_squared, curve.share, curve.points = 0.0, 0.0, 0.0, 0.0, 0
+
+
+@njit(cache=True)
+def _store(curve: Any, x_row: FloatArray, mu_row: FloatArray, x: float, mu: float) -> None:
+    """Keep a pair; a full buffer gives up every second pair and stores every second from then on."""
+    curve.skipped += 1
+    if curve.skipped < curve.stride:
+        return
+    curve.skipped = 0
+    if curve.count == BUFFER:
+        for k in range(BUFFER // 2):
+            x_row[k], mu_row[k] = x_row[2 * k + 1], mu_row[2 * k + 1]
+        curve.count = BUFFER // 2
+        curve.stride *= 2
+    x_row[curve.count], mu_row[curve.count] = x, mu
+    curve.count += 1
+
+
+@njit(cache=True)
+def conclude_fit(
+    curve: Any,
+    x_row: FloatArray,
+    mu_row: FloatArray,
+    scratch: FloatArray,
+    log: FloatArray,
+    logged: FloatArray,
+    number: int,
+    d: float,
+    b: float,
+    time: float,
+    t: Any,
+) -> None:
+    """Accept a fit, or go on storing.
+
+    With the automatic threshold the fit itself tells how far the data have to reach, threshold_times_b / B: a fit whose
+    data do not reach it only moves the threshold. A curve at a bound of the search, or hardly better than a straight
+    line, is none that the data tell.
+    """
+    direction = number // 4
+    count = curve.count
+    x = abs(x_row[count - 1])
+    quality = r_squared(x_row, mu_row, count, d, b, t.curve_c)
+    curve.pending = 0
+    # the next start of a fit from further out, whatever becomes of this one
+    curve.next_try = _GROWTH * x
+    inside = t.low_d * 1.01 < d < t.high_d * 0.99 and t.low_b[direction] * 1.01 < b < t.high_b[direction] * 0.99
+    objective = deviation(x_row, mu_row, count, d, b, t.curve_c)
+    bends = objective < t.largest_straightness * line_deviation(x_row, mu_row, count, scratch)
+    told = inside and bends and quality >= t.lowest_r_squared
+    if not told:
+        curve.provisional += 1
+        return
+    if t.automatic[direction] == 1:
+        wanted = t.threshold_times_b[direction] / b
+        wanted = min(max(wanted, t.low_threshold[direction]), t.high_threshold[direction])
+        curve.threshold = wanted
+        if x < _TOLERANCE * wanted:
+            curve.provisional += 1
+            return
+    attained = 0.0
+    for k in range(count):
+        attained = max(attained, abs(mu_row[k]))
+    curve.mode, curve.d, curve.b = CURVED, d, b
+    curve.fits += 1
+    curve.handed_over = 1
+    curve.attained, curve.r_squared, curve.points = attained, quality, count
+    curve.objective = objective
+    curve.share = attained / d
+    row = log[int(logged[0]) % LOG_ROWS]
+    row[0], row[1], row[2], row[3] = time, number, curve.sign, count
+    row[4], row[5], row[6] = curve.objective, quality, attained
+    row[7], row[8], row[9] = d, b, curve.share
+    logged[0] += 1.0
+
+
+@njit(cache=True)
+def observe_pair(
+    curve: Any,
+    x_row: FloatArray,
+    mu_row: FloatArray,
+    scratch: FloatArray,
+    log: FloatArray,
+    logged: FloatArray,
+    number: int,
+    x: float,
+    mu: float,
+    time: float,
+    t: Any,
+) -> None:
+    """Take a pair of slip and friction of curve ``number``.
+
+    A change of the slip's sign clears the buffer; crossing the threshold starts the fit; slip below it by the
+    hysteresis leads back to the linear law.
+    """
+    direction = number // 4
+    sign = 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
+    if sign != curve.sign and sign != 0.0:
+        curve.count, curve.sign, curve.stride, curve.skipped, curve.next_try = 0, sign, 1, 0, 0.0
+        curve.pending = 0
+        if curve.mode == CURVED:
+            curve.mode = LINEAR
+    if curve.mode == CURVED:
+        if abs(x) < curve.threshold * (1.0 - t.hysteresis):
+            curve.mode = LINEAR
+        return
+    # a force against its slip is an error of the slip: it tells nothing of the curve
+    if sign == 0.0 or mu * sign <= 0.0:
+        return
+    _store(curve, x_row, mu_row, x, mu)
+    if t.fit[direction] == 0 or curve.skipped != 0 or curve.pending == 1:
+        return
+    if abs(x) <= max(curve.threshold, curve.next_try) or curve.count < t.fewest_points:
+        return
+    if t.outside_solver == 1:
+        curve.pending = 1
+        return
+    d, b, _ = fit_curve(
+        x_row,
+        mu_row,
+        curve.count,
+        t.curve_c,
+        t.low_d,
+        t.high_d,
+        t.low_b[direction],
+        t.high_b[direction],
+        scratch,
+    )
+    conclude_fit(curve, x_row, mu_row, scratch, log, logged, number, d, b, time, t)
