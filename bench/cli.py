@@ -10,24 +10,31 @@ from pathlib import Path
 import typer
 
 from bench.commands import (
+    batch,
+    campaign,
     check,
     compare,
+    compare_surfaces,
     doctor,
     ecu,
+    estimate,
+    estimators,
+    inject,
     judge,
     listing,
     recover,
     replay,
     report,
+    road,
     run,
     runs,
     schema,
+    tyre,
     vehicle,
 )
-from signals.errors import BenchError, FileFaults
+from signals.errors import INTERRUPTED, BenchError, FileFaults
 
 BAD_USAGE = 2
-INTERRUPTED = 130
 UNEXPECTED = 4
 
 EXIT_CODES = """Exit codes: **0** pass or done · **1** ran, verdict fail · **2** bad usage or bad input file ·
@@ -44,17 +51,25 @@ app = typer.Typer(
 )
 app.command("run")(run.run)
 app.command("ecu")(ecu.ecu)
+app.command("batch")(batch.batch)
 app.command("list")(listing.list_scenarios)
 app.command("check")(check.check)
 app.command("doctor")(doctor.doctor)
+app.command("inject")(inject.inject)
 app.command("report")(report.report)
 app.command("replay")(replay.replay)
 app.command("recover")(recover.recover)
 app.command("judge")(judge.judge)
 app.command("runs")(runs.runs)
 app.command("compare")(compare.compare)
+app.command("compare-surfaces")(compare_surfaces.compare_surfaces)
+app.command("estimate")(estimate.estimate)
 app.command("schema")(schema.schema)
+app.add_typer(campaign.app, name="campaign")
+app.add_typer(estimators.app, name="estimators")
 app.add_typer(vehicle.app, name="vehicle")
+app.add_typer(tyre.app, name="tyre")
+app.add_typer(road.app, name="road")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

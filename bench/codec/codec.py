@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -11,18 +12,22 @@ from bench.codec.kernels import NEVER_TICKS, unpack
 from bench.codec.kernels import receive as _receive
 from bench.codec.kernels import transmit as _transmit
 from bench.codec.layout import AGE_GROUPS, Carrier, Layout
-from bench.codec.mapping_file import BUS_NAMES
+from bench.codec.mapping_file import BUS_NAMES, Protection
 from bench.codec.resolve import load_layout
 from bench.codec.tables import (
     ACCEPTED,
+    BY_CRC,
+    BY_CRC_AND_COUNTER,
     COUNTER,
     CRC_ERRORS,
     LAST_COUNTER,
     LAST_TICK,
     NEXT_DUE,
     OFFSET,
+    PROTECTED,
     REPEATED,
     STATISTICS,
+    UNPROTECTED,
     WRONG_LENGTH,
     WRONG_SEQUENCE,
     build_tables,
@@ -32,7 +37,14 @@ from bench.links.frame import ROLES, new_frames
 from signals.catalogue import catalogue
 from signals.errors import InputError
 
+CHECKS: dict[Protection, int] = {"none": UNPROTECTED, "crc": BY_CRC, "full": BY_CRC_AND_COUNTER}
 AGE_NAMES: tuple[str, ...] = tuple(signal.name for signal in catalogue() if signal.block == "bus_age")
+
+
+@cache
+def _shipped_layout() -> Layout:
+    """Layout of the shipped database, read once: a process that makes thousands of runs asks for it in each."""
+    return load_layout()
 
 
 class Codec:
@@ -56,7 +68,7 @@ class Codec:
         InputError
             If a file is bad or a needed message or signal is absent.
         """
-        return cls(load_layout(dbc, mapping))
+        return cls(_shipped_layout() if dbc is None and mapping is None else load_layout(dbc, mapping))
 
     @property
     def bit_rate(self) -> int:
@@ -70,7 +82,13 @@ class Codec:
         return Transmitter(self.layout.sent_by(role), role, values, names, channel)
 
     def receiver(
-        self, role: str, values: NDArray[np.float64], ages: NDArray[np.float64], *, channel: int | None = None
+        self,
+        role: str,
+        values: NDArray[np.float64],
+        ages: NDArray[np.float64],
+        *,
+        channel: int | None = None,
+        protection: Protection = "full",
     ) -> "Receiver":
         """Receiver of the other side's messages, or with role "all" of every message.
 
@@ -82,9 +100,11 @@ class Codec:
             Blocks "bus" and "bus_age"; only entries whose messages this receiver hears are written.
         channel : int, optional
             Listen to one channel of the link only.
+        protection : {"full", "crc", "none"}
+            What is checked of protected frames: CRC and alive counter, the CRC alone, or nothing.
         """
         sender = {"bench": "ecu", "ecu": "bench", "all": "all"}[role]
-        return Receiver(self.layout.sent_by(sender), values, ages, channel)
+        return Receiver(self.layout.sent_by(sender), values, ages, channel, protection)
 
     def require(self, role: str, names: Iterable[str], purpose: str) -> None:
         """Raise InputError, listing them, if the messages that ``role`` sends lack one of the signals."""
@@ -162,9 +182,11 @@ class Receiver:
         values: NDArray[np.float64],
         ages: NDArray[np.float64],
         channel: int | None,
+        protection: Protection,
     ) -> None:
         self._carriers = by_identifier(carriers)
         self._tables = tables = build_tables(carriers)
+        tables.messages[:, PROTECTED] = np.minimum(tables.messages[:, PROTECTED], CHECKS[protection])
         self._values = values
         self._groups = groups = self._age_groups()
         heard = -1 if channel is None else channel

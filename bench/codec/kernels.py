@@ -12,6 +12,7 @@ from bench.codec.tables import (
     ACCEPTED,
     BIG_ENDIAN,
     BITS,
+    BY_CRC_AND_COUNTER,
     COUNTER,
     CRC_ERRORS,
     DATA_IDS,
@@ -129,7 +130,7 @@ def extract_bits(data: NDArray[np.uint8], start: int, bits: int, big_endian: int
 
 
 @njit(cache=True)
-def _raw_value(value: float, signal: NDArray[np.float64]) -> int:
+def raw_value(value: float, signal: NDArray[np.float64]) -> int:
     """Raw value to send: rounded half to even, saturated or wrapped; the start value for what is no number."""
     inner = (value - signal[OUTER_SHIFT]) / signal[OUTER_SCALE]
     scaled = np.rint((inner - signal[SHIFT]) / signal[SCALE])
@@ -154,7 +155,7 @@ def pack(
         data[i] = template[i]
     for s in range(message[FIRST], message[END]):
         signal = signals[s]
-        raw = _raw_value(values[int(signal[POSITION])], signal)
+        raw = raw_value(values[int(signal[POSITION])], signal)
         insert_bits(data, int(signal[START]), int(signal[BITS]), int(signal[BIG_ENDIAN]), raw)
 
 
@@ -257,12 +258,13 @@ def _accept_frame(
         if profile2_crc(data, message[LENGTH], int(payload[DATA_IDS + counter])) != int(data[0]):
             message[CRC_ERRORS] += 1
             return False
-        lost = _frames_lost(counter, tick, message)
-        if lost < 0:
-            message[REPEATED if lost == -1 else WRONG_SEQUENCE] += 1
-            return False
-        message[LOST] += lost
-        message[LAST_COUNTER] = counter
+        if message[PROTECTED] == BY_CRC_AND_COUNTER:
+            lost = _frames_lost(counter, tick, message)
+            if lost < 0:
+                message[REPEATED if lost == -1 else WRONG_SEQUENCE] += 1
+                return False
+            message[LOST] += lost
+            message[LAST_COUNTER] = counter
     message[LAST_TICK] = tick
     message[ACCEPTED] += 1
     return True

@@ -26,7 +26,7 @@ AGE_GROUPS: dict[str, tuple[str, ...]] = {
     "age_brake": ("pedal_force", "brake_switch", "master_pressure"),
     "age_wheel_pressure": tuple(f"brake_pressure_{wheel}" for wheel in WHEELS),
     "age_powertrain": ("engine_torque", "engine_speed", "gearbox_speed", "gear", "drive_torque_f", "drive_torque_r"),
-    "age_vehicle_status": ("steering_wheel_angle", "steering_command", "ignition"),
+    "age_vehicle_status": ("steering_wheel_angle", "steering_command", "road_wheel_angle", "ignition"),
     "age_valve_pump": NEEDED_FROM_ECU,
     "age_abs_status": ("abs_active", "abs_lamp", "ebd_active"),
 }

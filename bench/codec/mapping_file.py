@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 BUS_NAMES: tuple[str, ...] = tuple(signal.name for signal in catalogue() if signal.block == "bus")
 """Names of block "bus", in the order of every array of decoded signals."""
 
+Protection = Literal["full", "crc", "none"]
+"""What a receiver checks of protected frames: CRC, alive counter and timeout; the CRC; nothing."""
+
 
 def _known_name(name: str) -> str:
     if name not in BUS_NAMES:

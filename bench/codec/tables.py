@@ -23,6 +23,8 @@ LAST_COUNTER, LAST_TICK = 8, 9
 # ... and a receiver's counts
 ACCEPTED, CRC_ERRORS, REPEATED, LOST, WRONG_SEQUENCE, WRONG_LENGTH = range(10, 16)
 MESSAGE_COLUMNS = 16
+# values of PROTECTED
+UNPROTECTED, BY_CRC, BY_CRC_AND_COUNTER = range(3)
 STATISTICS = ("accepted", "crc_errors", "repeated", "lost", "wrong_sequence", "wrong_length")
 
 # columns of `signals`; the position is that in the array of values
@@ -87,7 +89,7 @@ def _message_row(carrier: Carrier, first: int) -> tuple[int, ...]:
         flags,
         message.length,
         *schedule,
-        bool(carrier.data_ids),
+        BY_CRC_AND_COUNTER if carrier.data_ids else UNPROTECTED,
         first,
         first + len(carrier.carried),
     )

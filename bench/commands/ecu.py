@@ -1,8 +1,19 @@
 """``bench ecu``: the emulated ABS ECU alone, on any link."""
 
-from typing import Annotated
+from enum import StrEnum
+from typing import Annotated, Any
 
 import typer
+
+from bench.commands.options import JsonOption, finish, print_json
+
+
+class EcuProtection(StrEnum):
+    """What the ECU checks of protected frames."""
+
+    full = "full"
+    crc = "crc"
+    none = "none"
 
 
 def ecu(
@@ -17,9 +28,13 @@ def ecu(
         str | None, typer.Option(metavar="PATH", help="Socket of a bench in lock-step; without it real time.")
     ] = None,
     core: Annotated[int | None, typer.Option(help="Processor core to stay on.")] = None,
+    protection: Annotated[
+        EcuProtection, typer.Option(help="What is checked of protected frames.")
+    ] = EcuProtection.full,
     silent: Annotated[bool, typer.Option("--silent", help="Listen but answer nothing.")] = False,
+    as_json: JsonOption = False,
 ) -> None:
-    """Be the ABS ECU on a link until the bench ends the run, or Ctrl-C.
+    """Be the ABS ECU on a link until the bench ends the run, or Ctrl-C. With --json its counts are printed then.
 
     Example, in two terminals: bench ecu --link socketcan:vcan0
 
@@ -27,4 +42,19 @@ def ecu(
     """
     from bench.ecu.process import serve
 
-    serve(link, calibration, dbc=dbc, mapping=mapping, barrier=barrier, core=core, silent=silent)
+    told: list[dict[str, Any]] = []
+    code = serve(
+        link,
+        calibration,
+        dbc=dbc,
+        mapping=mapping,
+        barrier=barrier,
+        core=core,
+        silent=silent,
+        protection=protection.value,
+        at_end=told.append,
+    )
+    if as_json:
+        print_json(told[0])
+        raise SystemExit(code)  # its own end, also by Ctrl-C: nothing more is to be said
+    finish(code)

@@ -8,7 +8,7 @@ import typer
 
 from bench.commands.options import JsonOption, print_json
 
-_HEAD = re.compile(r"^(title|standard|time_limit|runs):[ \t]*(.*?)[ \t]*$", re.MULTILINE)
+_HEAD = re.compile(r"^(title|standard|time_limit|runs|hazards):[ \t]*(.*?)[ \t]*$", re.MULTILINE)
 
 
 def list_scenarios(
@@ -45,6 +45,6 @@ def _entry(name: str, path: Path) -> dict[str, str]:
         "id": name,
         "title": head.get("title", ""),
         "standard": head.get("standard", ""),
-        "kind": "procedure" if "runs" in head else "scenario",
+        "kind": "procedure" if "runs" in head else "campaign" if "hazards" in head else "scenario",
         "path": str(path),
     }

@@ -6,13 +6,13 @@ from typing import Annotated, Any
 
 import typer
 
-from signals.errors import BenchError
+from signals.errors import INTERRUPTED, BenchError
 
 
 class Interrupted(BenchError):
     """Ctrl-C during a run; ``folder`` holds what was recorded until then, if it had begun."""
 
-    exit_code = 130
+    exit_code = INTERRUPTED
 
     def __init__(self, folder: str) -> None:
         super().__init__(f"interrupted; the recording is in {folder}" if folder else "interrupted")

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from bench.commands.options import JsonOption, print_json
+
 
 def replay(
     run: Annotated[str, typer.Argument(help="Run folder, or its name under runs/.")],
@@ -13,13 +15,17 @@ def replay(
     picture: Annotated[
         Path | None, typer.Option(help="Draw the dashboard at --at into this SVG file and end.", metavar="FILE")
     ] = None,
+    as_json: JsonOption = False,
 ) -> None:
-    """Play a recording through the dashboard.
+    """Play a recording through the dashboard. With --json all signals at --at are printed instead.
 
     Example: bench replay runs/stops-dry-20260302-101112 --at 1.8 --speed 0.2
     """
     from bench.dashboard import replay as player
 
+    if as_json:
+        print_json(player.instant(run, at_s=at))
+        return
     if picture is not None:
         typer.echo(f"picture: {player.replay_picture(run, picture, at_s=at)}")
         return

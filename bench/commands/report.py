@@ -13,6 +13,9 @@ def report(
     picture: Annotated[
         Path | None, typer.Option(help="Also draw the main signals into this file (.png, .svg, .pdf).", metavar="FILE")
     ] = None,
+    render: Annotated[
+        bool, typer.Option("--render", help="Show the car as MuJoCo renders it in the strip; takes some seconds.")
+    ] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="Paths of the files on standard output, nothing else.")
     ] = False,
@@ -23,7 +26,7 @@ def report(
     """
     from bench.report import build, draw_picture
 
-    page = build(run)
+    page = build(run, render=render)
     drawn = draw_picture(run, picture) if picture is not None else None
     if as_json:
         typer.echo(json.dumps({"report": str(page), "picture": str(drawn) if drawn else None}))

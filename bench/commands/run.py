@@ -43,7 +43,9 @@ def run(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder of the run. Default: runs/<scenario>-<time>.")
     ] = None,
-    plain: Annotated[bool, typer.Option("--plain", help="No dashboard and no progress, only the verdict.")] = False,
+    plain: Annotated[
+        bool, typer.Option("--plain", help="No dashboard and no progress, only the verdict table.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Run a scenario or a procedure to its verdict, report and recording.
@@ -73,7 +75,7 @@ def run(
         elif variants:
             code = _variants(scenario, options, out, plain, as_json)
         else:
-            result = _one(scenario, {**options, "variant": variant}, out, plain or as_json)
+            result = _one(scenario, {**options, "variant": variant}, out, plain=plain, as_json=as_json)
             if as_json:
                 print_json({**result.verdict.as_json(), "folder": str(result.folder)})
             code = result.exit_code
@@ -82,10 +84,11 @@ def run(
     finish(code)
 
 
-def _one(scenario: str, options: dict[str, Any], out: Path | None, quiet: bool) -> "Run":
+def _one(scenario: str, options: dict[str, Any], out: Path | None, *, plain: bool, as_json: bool) -> "Run":
     from bench.scenario import resolve
 
     resolved = resolve(scenario, **options)
+    quiet = plain or as_json
     if not quiet:
         print(f"scenario  {resolved.id}: {resolved.title}", flush=True)
         print(f"car       {Path(resolved.vehicle).stem}, plant {resolved.plant}, seed {resolved.seed}", flush=True)
@@ -93,7 +96,7 @@ def _one(scenario: str, options: dict[str, Any], out: Path | None, quiet: bool) 
     from bench.api import run as run_scenario
 
     result = run_scenario(resolved, out=out, dashboard=not quiet, progress=None if quiet else _say)
-    if not quiet and result.folder is not None:
+    if not as_json and result.folder is not None:
         from bench.report import print_summary
 
         print_summary(result.folder)
@@ -118,7 +121,7 @@ def _variants(scenario: str, options: dict[str, Any], out: Path | None, plain: b
     verdicts = []
     for entry in known:
         folder = None if out is None else out / entry.name
-        result = _one(scenario, {**options, "variant": entry.name}, folder, plain or as_json)
+        result = _one(scenario, {**options, "variant": entry.name}, folder, plain=plain, as_json=as_json)
         verdicts.append({"variant": entry.name, "verdict": result.verdict.verdict, "folder": str(result.folder)})
     if as_json:
         print_json({"scenario": scenario, "variants": verdicts})

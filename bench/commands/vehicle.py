@@ -1,10 +1,12 @@
 """``bench vehicle``: cars and their parameters."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from bench.commands.options import JsonOption, print_json
+from signals.errors import InputError
 
 app = typer.Typer(help="Cars and their parameters.", no_args_is_help=True, rich_markup_mode="markdown")
 
@@ -47,6 +49,49 @@ def list_parameters(
             f"{info.path:<{width}} {info.value:>12.6g} {info.unit:<8} {_number(info.default):>10} {limits:<20} "
             f"{_number(info.neutral):>7}  {info.source or info.description}"
         )
+
+
+@app.command("show")
+def show(
+    name: Annotated[str, typer.Argument(help="Name of a shipped car, or a vehicle file.")],
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="PNG file. Default: CAR.png.")] = None,
+    steer: Annotated[float, typer.Option(metavar="DEG", help="Angle of the front wheels, left positive.")] = 12.0,
+    azimuth: Annotated[float, typer.Option(metavar="DEG", help="Direction of view; 0 looks along the road.")] = 140.0,
+    elevation: Annotated[float, typer.Option(metavar="DEG", help="Negative looks down.")] = -16.0,
+    width: Annotated[int, typer.Option(min=16, max=1920, help="Of the picture, in pixels.")] = 1280,
+    height: Annotated[int, typer.Option(min=16, max=1080, help="Of the picture, in pixels.")] = 720,
+    viewer: Annotated[bool, typer.Option("--viewer", help="MuJoCo's window instead, where a screen is.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Draw a car, as large as its file says, into a picture; no screen is needed.
+
+    Examples: bench vehicle show ekf_car --out car.png
+
+    bench vehicle show ekf_car --viewer
+    """
+    import math
+
+    from bench.report.car_scene import Pose
+    from vehicle_model.vehicle_file import load_vehicle
+
+    vehicle = load_vehicle(name)
+    if viewer:
+        from bench.report.car_viewer import show as open_window
+
+        open_window(vehicle)
+        return
+    from bench.report.car_render import View, render_car
+
+    path = out or Path(f"{Path(name).stem}.png")
+    if path.suffix.lower() != ".png":
+        raise InputError(f"{path}: unknown kind of picture", allowed=".png")
+    angle = math.radians(steer)
+    view = View(width=width, height=height, azimuth_deg=azimuth, elevation_deg=elevation)
+    render_car(name, [Pose(steer=(angle, angle))], [path], view)
+    if as_json:
+        print_json({"vehicle": vehicle.name, "picture": str(path)})
+    else:
+        print(f"picture: {path}")
 
 
 def _number(value: float | None) -> str:

@@ -16,6 +16,7 @@ from bench.dashboard.snapshot import FloatArray, RunView
 from bench.report.bus_charts import frame_times
 from bench.report.run_data import RunData
 from bench.report.run_reading import load_run
+from bench.verdict.result import plain
 from signals.errors import InputError
 
 REFRESH_S = 0.1
@@ -149,6 +150,26 @@ def replay_picture(run_dir: str | Path, path: str | Path, *, at_s: float = 0.0) 
     drawn = console.export_svg(code_format=_SVG, theme=_THEME, unique_id="dashboard")
     path.write_text(_without_title_bar(drawn), encoding="utf-8")
     return path
+
+
+def instant(run_dir: str | Path, *, at_s: float = 0.0) -> dict[str, Any]:
+    """All signals of a recording at one instant: time in s, phase, and value and unit of each signal.
+
+    Raises
+    ------
+    InputError
+        If ``at_s`` is outside the recording.
+    """
+    run = load_run(run_dir)
+    source = _Replay(run)
+    _check_time(source, at_s)
+    row = int(np.searchsorted(source.time, at_s, side="right")) - 1
+    units = run.signals.units if run.signals is not None else {}
+    return {
+        "scenario": run.name,
+        "time_s": float(source.time[row]),
+        "signals": {name: {"value": plain(run.array(name)[row]), "unit": unit} for name, unit in units.items()},
+    }
 
 
 def _without_title_bar(svg: str) -> str:

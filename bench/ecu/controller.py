@@ -122,12 +122,18 @@ class Controller:
         Name of a shipped calibration, a path, or a calibration.
     with_edges
         False where the bus has no pulse counters.
+    watch_timeouts
+        False lets any message be missing for ever without a fault.
     """
 
-    def __init__(self, calibration: str | Path | CalibrationFile, *, with_edges: bool = True) -> None:
+    def __init__(
+        self, calibration: str | Path | CalibrationFile, *, with_edges: bool = True, watch_timeouts: bool = True
+    ) -> None:
         loaded = calibration if isinstance(calibration, CalibrationFile) else load_calibration(calibration)
         self.calibration = loaded
         self._record = calibration_record(loaded)
+        if not watch_timeouts:
+            self._record["monitoring_timeout_periods"] = np.inf
         self._state: NDArray[np.void] = np.zeros(1, STATE_RECORD)
         self._with_edges = with_edges
         self.reset()
@@ -143,6 +149,10 @@ class Controller:
     def records(self) -> tuple[NDArray[np.void], NDArray[np.void]]:
         """Calibration and memory, as ``controller_task`` takes them."""
         return self._record, self._state
+
+    def stored_faults(self) -> list[int]:
+        """Codes in the fault memory, present or not yet healed; see :mod:`bench.ecu.faults`."""
+        return [int(code) for code in np.flatnonzero(self._state[0]["fault_stored"])]
 
     def task(self, values: NDArray[np.float64], health: NDArray[np.int64], command: NDArray[np.float64]) -> None:
         """Run the 5 ms task; arguments as in ``controller_task``."""

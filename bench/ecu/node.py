@@ -8,6 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from bench.codec.codec import AGE_NAMES, Codec
+from bench.codec.mapping_file import Protection
 from bench.codec.tables import CRC_ERRORS, LAST_TICK, PERIOD, REPEATED, WRONG_LENGTH, WRONG_SEQUENCE
 from bench.ecu.calibration import CalibrationFile
 from bench.ecu.controller import Controller, controller_task
@@ -75,6 +76,9 @@ class EcuNode:
         The bus; without pulse counters on it the wheel-speed frames are used.
     silent
         Receives and controls, but sends nothing.
+    protection
+        "full": frames are refused for their CRC or alive counter, and missing ones are a fault; "crc": for their CRC
+        only; "none": every frame of a known identifier and right length is believed.
 
     Raises
     ------
@@ -82,14 +86,21 @@ class EcuNode:
         If the calibration has faults.
     """
 
-    def __init__(self, calibration: str | Path | CalibrationFile, codec: Codec, *, silent: bool = False) -> None:
+    def __init__(
+        self,
+        calibration: str | Path | CalibrationFile,
+        codec: Codec,
+        *,
+        silent: bool = False,
+        protection: Protection = "full",
+    ) -> None:
         heard = set(codec.layout.names("bench"))
         with_edges = all(f"wheel_edge_{what}_{wheel}" in heard for what in ("count", "time") for wheel in WHEELS)
-        self.controller = Controller(calibration, with_edges=with_edges)
+        self.controller = Controller(calibration, with_edges=with_edges, watch_timeouts=protection == "full")
         self.silent = silent
         self._values = np.zeros(BUS_SIGNALS)
         self._command = np.zeros(BUS_SIGNALS)
-        self._receiver = codec.receiver("ecu", self._values, np.zeros(len(AGE_NAMES)))
+        self._receiver = codec.receiver("ecu", self._values, np.zeros(len(AGE_NAMES)), protection=protection)
         self._transmitter = codec.transmitter("ecu", self._command)
         self._rows = np.array([self._row(signals) for signals in _SIGNAL_OF_SOURCE], np.int64)
         self._health = np.zeros((len(SOURCES), 4), np.int64)
@@ -101,6 +112,10 @@ class EcuNode:
 
     def _row(self, signals: tuple[str, ...]) -> int:
         return next((row for row in map(self._receiver.row_of, signals) if row >= 0), -1)
+
+    def statistics(self) -> dict[str, Any]:
+        """What the ECU has seen: stored fault codes, and counts of each message by name as the receiver keeps them."""
+        return {"fault_codes": self.controller.stored_faults(), "frames": self._receiver.statistics()}
 
     def tick(
         self, tick: int, frames_in: NDArray[np.void], n_in: int, frames_out: NDArray[np.void], start: int = 0

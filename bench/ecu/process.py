@@ -9,14 +9,16 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import FrameType
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn, get_args
 
+from bench.codec.mapping_file import Protection
 from bench.ecu.calibration import CALIBRATIONS
 from bench.ecu.records import TASK_OFFSET_TICKS
+from bench.loop.ending import until_ended
 from bench.loop.scheduling import CorePlan, die_with_parent, real_time_process
-from signals.errors import BenchError, InputError
+from signals.errors import INTERRUPTED, BenchError, InputError
 
 if TYPE_CHECKING:
     from bench.ecu.node import EcuNode
@@ -26,7 +28,6 @@ if TYPE_CHECKING:
 TICK_S = 1e-3
 MOST_FRAMES = 4096
 MOST_ANSWERS = 64
-INTERRUPTED = 130
 OK = 0
 
 
@@ -46,6 +47,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--mapping", help="mapping file of a database with other names")
     parser.add_argument("--barrier", help="socket of a bench in lock-step")
     parser.add_argument("--core", type=int, help="processor core to stay on")
+    parser.add_argument("--protection", choices=get_args(Protection), default="full", help="what is checked of frames")
     parser.add_argument("--silent", action="store_true", help="listen but answer nothing")
     return parser
 
@@ -62,13 +64,13 @@ def run_in_lockstep(node: "EcuNode", link: "Link", barrier: "BarrierClient") -> 
         barrier.finish(answers, sent)
 
 
-def run_in_real_time(node: "EcuNode", link: "Link") -> NoReturn:
+def run_in_real_time(node: "EcuNode", link: "Link", ended: Callable[[], int]) -> None:
     """Own clock, a tick each millisecond; a frame that arrives earlier is taken in at the next tick."""
     from bench.links.frame import new_frames
 
     received, answers = new_frames(MOST_FRAMES), new_frames(MOST_ANSWERS)
     start, tick = time.perf_counter(), 0
-    while True:
+    while not ended():
         ahead = start + tick * TICK_S - time.perf_counter()
         if ahead > 0:
             time.sleep(ahead)
@@ -89,8 +91,10 @@ def serve(
     barrier: str | None = None,
     core: int | None = None,
     silent: bool = False,
-) -> None:
-    """Be the ECU on a link until the bench or a signal ends it.
+    protection: Protection = "full",
+    at_end: Callable[[dict[str, Any]], None] | None = None,
+) -> int:
+    """Be the ECU on a link until the bench or a signal ends it; returns the exit code.
 
     Parameters
     ----------
@@ -106,6 +110,10 @@ def serve(
         Processor core to stay on.
     silent
         Listen but answer nothing.
+    protection
+        What is checked of protected frames.
+    at_end
+        Told, however it ends, what the ECU did: link, its own counts and the link's.
 
     Raises
     ------
@@ -114,27 +122,39 @@ def serve(
     """
     from bench.codec.codec import Codec
     from bench.ecu.node import EcuNode
-    from bench.links.barrier import BarrierClient
     from bench.links.frame import new_frames
     from bench.links.registry import default_link_text, open_link
 
     cores = _pin(core)
     codec = Codec.load(dbc, mapping)
-    node = EcuNode(calibration, codec, silent=silent)
+    node = EcuNode(calibration, codec, silent=silent, protection=protection)
     # a node of its own compiles, or loads from disk, what a tick calls, before time counts
     EcuNode(calibration, codec).tick(TASK_OFFSET_TICKS, new_frames(1), 0, new_frames(MOST_ANSWERS))
     text = link or default_link_text()
     if text == "virtual":
         raise InputError("link virtual does not leave its process", mend="use --link udp, or bench run --ecu inprocess")
     with open_link(text, role="ecu") as opened:
-        if barrier is None:
-            with real_time_process(CorePlan(cores, cores)):
-                run_in_real_time(node, opened)
-        client = BarrierClient(barrier)
         try:
-            run_in_lockstep(node, opened, client)
+            return _run(node, opened, barrier, cores)
         finally:
-            client.close()
+            if at_end is not None:
+                at_end({"link": opened.text, "ecu": node.statistics(), "bus": opened.statistics()})
+
+
+def _run(node: "EcuNode", link: "Link", barrier: str | None, cores: frozenset[int]) -> int:
+    from bench.links.barrier import BarrierClient
+
+    if barrier is None:
+        with until_ended() as ended:
+            with real_time_process(CorePlan(cores, cores)):
+                run_in_real_time(node, link, ended)
+            return INTERRUPTED if ended() == signal.SIGINT else OK
+    client = BarrierClient(barrier)
+    try:
+        run_in_lockstep(node, link, client)
+    finally:
+        client.close()
+    return OK
 
 
 def _pin(core: int | None) -> frozenset[int]:
@@ -154,7 +174,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     die_with_parent(signal.SIGTERM)
     signal.signal(signal.SIGTERM, _stop)
     try:
-        serve(**vars(arguments))
+        return serve(**vars(arguments))
     except BenchError as error:
         print(f"bench ecu: {error}", file=sys.stderr)
         return error.exit_code
@@ -162,7 +182,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         return OK
     except KeyboardInterrupt:
         return INTERRUPTED
-    return OK
 
 
 if __name__ == "__main__":

@@ -73,6 +73,12 @@ class Link(ABC):
     def wait(self, timeout_s: float) -> bool:
         """Sleep until a frame has arrived or the time is over; True if there may be one."""
 
+    @property
+    def descriptors(self) -> tuple[int, ...]:
+        """File descriptors that are readable once a frame has arrived; none where a link has to be asked."""
+        poller = getattr(self, "_poller", None)
+        return poller.descriptors if isinstance(poller, Poller) else ()
+
     @abstractmethod
     def statistics(self) -> dict[str, int | str]:
         """Counts since the link was opened.
@@ -98,6 +104,7 @@ class Poller:
     """Waits on file descriptors."""
 
     def __init__(self, descriptors: Sequence[int]) -> None:
+        self.descriptors = tuple(descriptors)
         self._poll = select.poll()
         for descriptor in descriptors:
             self._poll.register(descriptor, select.POLLIN)

@@ -126,10 +126,21 @@ def probe_link(scenario: ScenarioFile) -> None:
         _open_link(scenario).close()
 
 
-def _open_link(scenario: ScenarioFile) -> Link:
-    from bench.links.registry import default_link_text, open_link
+def with_link(scenario: ScenarioFile) -> ScenarioFile:
+    """The scenario with the link that it will use: the one it names, else the best that the machine has."""
+    from bench.links.registry import default_link_text
 
-    link = open_link(scenario.ecu.link or default_link_text(), role="bench")
+    ecu = scenario.ecu
+    if ecu.link is not None:
+        return scenario
+    link = "virtual" if ecu.kind in ("inprocess", "none") else default_link_text()
+    return scenario.model_copy(update={"ecu": ecu.model_copy(update={"link": link})})
+
+
+def _open_link(scenario: ScenarioFile) -> Link:
+    from bench.links.registry import open_link
+
+    link = open_link(with_link(scenario).ecu.link or "", role="bench")
     if scenario.pacing == "lockstep" and not link.supports_lockstep:
         link.close()
         raise _own_time(f"link {link.text}")
@@ -150,8 +161,10 @@ def connect(scenario: ScenarioFile, codec: Any, cores: CorePlan, log: IO[bytes] 
     if ecu.kind == "inprocess":
         from bench.ecu.node import EcuNode
 
-        node = EcuNode(ecu.calibration, codec, silent=_starts_silent(ecu))
-        return Connection(InProcessEcu(node), "virtual", lambda: {"kind": "virtual"}, expect=ecu.expect)
+        node = EcuNode(ecu.calibration, codec, silent=_starts_silent(ecu), protection=ecu.protection)
+        return Connection(
+            InProcessEcu(node), "virtual", lambda: {"kind": "virtual", "ecu": node.statistics()}, expect=ecu.expect
+        )
     if ecu.kind == "none" and ecu.link in (None, "virtual"):
         return Connection(NoEcu(), "virtual", lambda: {"kind": "virtual"}, expect="silent")
     return _connect_link(scenario, cores, log)
@@ -177,18 +190,13 @@ def _starts_silent(ecu: Ecu) -> bool:
 
 
 def _start_ecu(ecu: Ecu, link: Link, cores: CorePlan, log: IO[bytes] | None, more: Sequence[str] = ()) -> Child:
-    arguments = ["--link", link.text, "--calibration", ecu.calibration, *more]
+    arguments = ["--link", link.text, "--calibration", ecu.calibration, "--protection", ecu.protection, *more]
     for option, value in (("--dbc", ecu.dbc), ("--mapping", ecu.mapping)):
         arguments += [option, value] if value else []
     if _starts_silent(ecu):
         arguments.append("--silent")
     with on_helper_cores(cores):
         return start_module("ecu", "bench.ecu.process", arguments, log=log)
-
-
-def _never_answers(ecu: Ecu) -> bool:
-    """The emulated ECU is to be silent; one that is killed speaks until then."""
-    return ecu.expect == "silent" and ecu.kill is None
 
 
 def _in_real_time(ecu: Ecu, link: Link, cores: CorePlan, log: IO[bytes] | None) -> Connection:

@@ -31,6 +31,9 @@ class NoEcu:
 
     origin_ns = 0
 
+    def prepare(self) -> None:
+        """Nothing to prepare."""
+
     def receive(self, tick: int, frames: NDArray[np.void]) -> int:
         """Nothing ever arrives."""
         return 0
@@ -58,6 +61,9 @@ class InProcessEcu:
         self._answer_bytes = self._answers.view(OPAQUE_DTYPE)
         self._answer_count = 0
         self._silent = False
+
+    def prepare(self) -> None:
+        """Nothing to prepare."""
 
     def receive(self, tick: int, frames: NDArray[np.void]) -> int:
         """Frames of the controller's previous tick; runs its tick on what the bench sent one tick ago."""
@@ -106,6 +112,8 @@ class LinkedEcu:
         self._link = link
         self._first_answer_s = first_answer_s
         self._shift_ns = 0
+        self._early = np.zeros(MAX_FRAMES, FRAME_DTYPE)
+        self._early_count = 0
 
     def wait_until_heard(self, is_alive: Callable[[], bool] = lambda: True) -> None:
         """Wait for the ECU's first frame, so that a run begins with an ECU that is there.
@@ -132,12 +140,20 @@ class LinkedEcu:
                 )
             self._link.wait(0.01)
 
+    def prepare(self) -> None:
+        """Take what has arrived since the ECU was first heard, so that the first tick finds no backlog to read."""
+        self._early_count = self._link.receive(self._early)
+
     def receive(self, tick: int, frames: NDArray[np.void]) -> int:
-        """Everything that arrived since the last tick."""
-        if tick == 0 and self.origin_ns:
-            # the recording began when its processes were started; its time is counted from this tick on
-            self._shift_ns = self.origin_ns - time.time_ns()
-        count = self._link.receive(frames)
+        """Everything that arrived since the last tick; in the first tick also what came before it."""
+        count = 0
+        if tick == 0:
+            if self.origin_ns:
+                # the recording began when its processes were started; its time is counted from this tick on
+                self._shift_ns = self.origin_ns - time.time_ns()
+            count = self._early_count
+            frames[:count] = self._early[:count]
+        count += self._link.receive(frames, count)
         frames["tick"][:count] = tick
         frames["timestamp_ns"][:count] += self._shift_ns
         return count
@@ -174,6 +190,9 @@ class BarrierEcu:
         self._sent_count = 0
         self._running = False
         self._lost = False
+
+    def prepare(self) -> None:
+        """Nothing to prepare."""
 
     def receive(self, tick: int, frames: NDArray[np.void]) -> int:
         """Frames that the peer sent in its previous tick; then lets it run this one."""

@@ -43,6 +43,9 @@ class LockstepPacer:
     def __init__(self, ticks: int) -> None:
         self.times = TickTimes.for_ticks(0)
 
+    def prepare(self) -> None:
+        """Nothing to measure: nothing ever sleeps."""
+
     def start(self) -> None:
         """Nothing to anchor: virtual time starts at the first tick."""
 
@@ -69,9 +72,12 @@ class RealtimePacer:
         self._wake_ns = 0
         self._cpu_ns = 0
 
-    def start(self) -> None:
-        """Measure how late this machine wakes up, then anchor the time base one period ahead."""
+    def prepare(self) -> None:
+        """Measure how late this machine wakes up."""
         self._tail_ns = measure_wake_up_ns()
+
+    def start(self) -> None:
+        """Anchor the time base one period ahead."""
         self._start_ns = time.perf_counter_ns() + PERIOD_NS
 
     def wait(self, tick: int) -> None:

@@ -12,14 +12,14 @@ import numpy as np
 from bench.api import Run
 from bench.links.frame import FRAME_DTYPE
 from bench.loop.children import Child, on_helper_cores, start_module
-from bench.loop.connection import Connection, connect
+from bench.loop.connection import Connection, connect, with_link
 from bench.loop.memory import MemoryRecorder
 from bench.loop.pacing import LockstepPacer, RealtimePacer, TickTimes
 from bench.loop.scheduling import SchedulingReport, plan_cores, real_time_process
 from bench.loop.session import Pacer, Parts, Session, build_parts, timing_extras
 from bench.loop.timing import summarise
 from bench.loop.versions import versions
-from bench.loop.warm_up import warm_up
+from bench.loop.warm_up import Rehearsal, warm_up
 from bench.recording.arrays import RunArrays
 from bench.recording.run_folder import FileChoice, append_log
 from bench.recording.schema import RunSchema
@@ -42,8 +42,10 @@ def make_pacer(scenario: ScenarioFile, ticks: int) -> Pacer:
 
 def run_in_memory(scenario: ScenarioFile, *, keep_frames: bool = True) -> Run:
     """Run without files; an error is raised instead of becoming a verdict."""
+    rehearsal = None
     if scenario.pacing == "realtime" or scenario.ecu.kind == "emulated":
-        warm_up(scenario, lambda text: None)  # neither a clock nor a process that waits has time for compiling
+        # neither a clock nor a process that waits has time for compiling
+        rehearsal = warm_up(scenario, lambda text: None)
     parts = build_parts(scenario)
     recorder = MemoryRecorder(parts.ticks, len(parts.vector.names), keep_frames)
     connection = connect(scenario, parts.codec, plan_cores())
@@ -58,7 +60,7 @@ def run_in_memory(scenario: ScenarioFile, *, keep_frames: bool = True) -> Run:
             if realtime
             else nullcontext(SchedulingReport()) as scheduling
         ):
-            session.run(recorder, pacer)
+            session.run(recorder, pacer, rehearsal.go_on if rehearsal is not None and realtime else None)
     finally:
         connection.close()
     timing = _timing(parts, pacer, connection, scheduling, session.ticks_done, time.perf_counter() - began)
@@ -89,10 +91,10 @@ def run_recorded(
     """
     say = progress or (lambda text: None)
     say("building the car")
-    warm_up(scenario, say)
+    rehearsal = warm_up(scenario, say)
     parts = build_parts(scenario)
     folder = out if out is not None else default_folder(scenario)
-    recorded = _RecordedRun(scenario, parts, folder, dashboard, say, fifo)
+    recorded = _RecordedRun(scenario, parts, rehearsal, folder, dashboard, say, fifo)
     try:
         return recorded.run()
     finally:
@@ -116,6 +118,7 @@ class _RecordedRun:
         self,
         scenario: ScenarioFile,
         parts: Parts,
+        rehearsal: Rehearsal,
         folder: Path,
         dashboard: bool,
         say: Callable[[str], None],
@@ -123,7 +126,9 @@ class _RecordedRun:
     ) -> None:
         self._fifo = fifo
         self._scenario = scenario
+        self._wired = with_link(scenario)
         self._parts = parts
+        self._rehearsal = rehearsal
         self._folder = folder
         self._dashboard = dashboard
         self._say = say
@@ -148,7 +153,7 @@ class _RecordedRun:
         dashboard: Child | None = None
         log = (recording.folder / "log.txt").open("ab")
         try:
-            connection = connect(self._scenario, self._parts.codec, self._cores, log)
+            connection = connect(self._wired, self._parts.codec, self._cores, log)
             connection.side.origin_ns = recording.writer.schema.start_time_ns
             if self._dashboard:
                 dashboard = self._start_dashboard(recording)
@@ -158,6 +163,7 @@ class _RecordedRun:
             self._errors.append("interrupted")
         except BenchError as error:
             self._errors.append(str(error))
+            self._log(f"error: {error}")
         except Exception as error:
             self._errors.append(f"{type(error).__name__}: {error}")
             self._log_traceback(error)
@@ -173,7 +179,12 @@ class _RecordedRun:
             parts.vector.signals,
             phase_names=parts.manoeuvre.phase_names,
             start_time_ns=time.time_ns() if realtime else 0,
-            information={**information, "time_limit_s": scenario.time_limit, "ecu": scenario.ecu.kind},
+            information={
+                **information,
+                "time_limit_s": scenario.time_limit,
+                "ecu": scenario.ecu.kind,
+                "link": self._wired.ecu.link,
+            },
         )
         return RecordingSession.start(
             self._folder,
@@ -207,16 +218,19 @@ class _RecordedRun:
                 else nullcontext(SchedulingReport()) as report
             ):
                 self._scheduling = report
-                session.run(recording, self._pacer)
+                session.run(recording, self._pacer, self._rehearsal.go_on if realtime else None)
         finally:
             self._wall_s = time.perf_counter() - began
             self._ticks_done = session.ticks_done
 
+    def _log(self, text: str) -> None:
+        with suppress(OSError):
+            append_log(self._folder, text)
+
     def _log_traceback(self, error: Exception) -> None:
         import traceback
 
-        with suppress(OSError):
-            append_log(self._folder, "".join(traceback.format_exception(error)))
+        self._log("".join(traceback.format_exception(error)))
 
     def _finish(self, recording: RecordingSession, connection: Connection | None, dashboard: Child | None) -> Run:
         ecu_code = connection.close() if connection is not None else None
@@ -225,6 +239,9 @@ class _RecordedRun:
             timing = _timing(
                 self._parts, self._pacer, connection, self._scheduling, self._ticks_done, self._wall_s, ecu_code
             )
+        if self._parts.injector is not None:
+            with suppress(OSError):
+                append_log(self._folder, "\n".join(self._parts.injector.log_lines()))
         outcome = recording.stop(cores=self._cores)
         if dashboard is not None and dashboard.wait(DASHBOARD_END_TIMEOUT_S) is None:
             dashboard.stop()

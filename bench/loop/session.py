@@ -1,13 +1,15 @@
 """A run put together from its scenario: the parts, the tick that calls them, and the loop over the ticks."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bench.codec.codec import Codec, Receiver, Transmitter
 from bench.codec.tables import LAST_TICK
+from bench.injection.signals import injector_signals
 from bench.loop.connection import Connection
 from bench.loop.estimation import EstimatorSlot, NamedEstimator, create_estimators
 from bench.loop.pacing import TickTimes
@@ -28,6 +30,9 @@ from vehicle_model.road_file import RoadFile, load_road, road_parameter_table
 from vehicle_model.sensors import Sensors
 from vehicle_model.vehicle_file import VehicleFile, parameter_table
 
+if TYPE_CHECKING:
+    from bench.injection.in_run import InjectorInRun
+
 TICKS_PER_SECOND = 1000
 WATCH_TICKS = 100
 
@@ -37,6 +42,9 @@ class Pacer(Protocol):
 
     mode: str
     times: TickTimes
+
+    def prepare(self) -> None:
+        """Measure what has to be known before the clock starts."""
 
     def start(self) -> None:
         """Anchor the time base."""
@@ -67,6 +75,7 @@ class Parts:
     tap: Receiver
     from_ecu: Receiver
     estimators: list[NamedEstimator] = field(default_factory=list)
+    injector: "InjectorInRun | None" = None
 
     @property
     def ticks(self) -> int:
@@ -84,9 +93,9 @@ def build_parts(scenario: ScenarioFile) -> Parts:
     """
     vehicle = vehicle_as_driven(scenario)
     road = road_of(scenario)
-    requests = {name: (kind_of(name), settings) for name, settings in scenario.estimators.items()}
-    estimators = create_estimators(requests, nominal_vehicle(scenario).numbers())
-    vector = SignalVector([signal for named in estimators for signal in named.signals()])
+    estimators = _estimators(scenario)
+    estimated = [signal for named in estimators for signal in named.signals()]
+    vector = SignalVector([*estimated, *injector_signals(scenario.faults)])
     bus = block_slice("bus")
     sensed = np.zeros(bus.stop - bus.start)
     codec = Codec.load(scenario.ecu.dbc, scenario.ecu.mapping)
@@ -101,16 +110,18 @@ def build_parts(scenario: ScenarioFile) -> Parts:
     )
     powertrain = Powertrain(vehicle)
     sensors = Sensors(vehicle, scenario.seed)
-    table = [*parameter_table(vehicle), *road_parameter_table(road)]
-    stimuli = build_stimuli(
-        scenario.stimuli,
-        vector,
-        sensed,
-        accessors([plant, hydraulic_unit, powertrain, manoeuvre, sensors]),
-        {info.path: info.unit for info in table},
-        manoeuvre.phase_names,
-        scenario.seed,
-    )
+    stimuli = Stimuli(vector, sensed, [], {})
+    if scenario.stimuli:  # a table of every parameter costs as much as half of the other parts together
+        table = [*parameter_table(vehicle), *road_parameter_table(road)]
+        stimuli = build_stimuli(
+            scenario.stimuli,
+            vector,
+            sensed,
+            accessors([plant, hydraulic_unit, powertrain, manoeuvre, sensors]),
+            {info.path: info.unit for info in table},
+            manoeuvre.phase_names,
+            scenario.seed,
+        )
     return Parts(
         scenario=scenario,
         vehicle=vehicle,
@@ -124,10 +135,31 @@ def build_parts(scenario: ScenarioFile) -> Parts:
         stimuli=stimuli,
         codec=codec,
         transmitter=codec.transmitter("bench", sensed),
-        tap=codec.receiver("ecu", vector.block("bus"), vector.block("bus_age")),
-        from_ecu=codec.receiver("bench", vector.block("bus"), vector.block("bus_age")),
+        tap=codec.receiver("ecu", vector.block("bus"), vector.block("bus_age"), protection=scenario.ecu.protection),
+        from_ecu=codec.receiver(
+            "bench", vector.block("bus"), vector.block("bus_age"), protection=scenario.ecu.protection
+        ),
         estimators=estimators,
+        injector=_injector(scenario, codec, vector, manoeuvre.phase_names),
     )
+
+
+def _estimators(scenario: ScenarioFile) -> list[NamedEstimator]:
+    if not scenario.estimators:
+        return []
+    requests = {name: (kind_of(name), settings) for name, settings in scenario.estimators.items()}
+    return create_estimators(requests, nominal_vehicle(scenario).numbers())
+
+
+def _injector(
+    scenario: ScenarioFile, codec: Codec, vector: SignalVector, phases: Sequence[str]
+) -> "InjectorInRun | None":
+    """The fault injector on the bus of a scenario that has faults there."""
+    if not scenario.faults:
+        return None
+    from bench.injection.in_run import InjectorInRun
+
+    return InjectorInRun(scenario.faults, codec, vector, phases, scenario.seed)
 
 
 def road_of(scenario: ScenarioFile) -> RoadFile:
@@ -141,6 +173,18 @@ def build_plant(scenario: ScenarioFile, vehicle: VehicleFile, road: RoadFile) ->
         from vehicle_model.reference.single_track import SingleTrack
 
         return SingleTrack(vehicle, road, substeps=max(5, scenario.plant_options.wheel_substeps))
+    if scenario.plant == "planar":
+        from vehicle_model.reference.planar import Planar
+
+        return Planar(vehicle, road)
+    if scenario.plant == "two_track":
+        from vehicle_model.reference.two_track import TwoTrack
+
+        return TwoTrack(vehicle, road)
+    if scenario.plant == "steered_track":
+        from vehicle_model.reference.steered_track import SteeredTrack
+
+        return SteeredTrack(vehicle, road)
     from vehicle_model.plant import Plant as MujocoPlant
 
     return MujocoPlant(vehicle, road, wheel_substeps=scenario.plant_options.wheel_substeps)
@@ -163,7 +207,8 @@ class Session:
         self._kill_ecu = kill.compile(parts.vector, parts.manoeuvre.phase_names) if kill is not None else None
         self.ticks_done = 0
 
-    def _tick(self, recorder: Recorder) -> Tick:
+    def put_together(self, recorder: Recorder) -> Tick:
+        """The parts as one tick."""
         parts = self.parts
         return Tick(
             parts.vector,
@@ -180,24 +225,33 @@ class Session:
             tap=parts.tap,
             estimators=[EstimatorSlot(named, parts.vector) for named in parts.estimators],
             recorder=recorder,
+            injector=parts.injector,
         )
 
-    def run(self, recorder: Recorder, pacer: Pacer, most_ticks: int | None = None) -> None:
+    def run(self, recorder: Recorder, pacer: Pacer, rehearse: Callable[[], None] | None = None) -> None:
         """Tick until the manoeuvre has ended or the scenario's time is over.
+
+        Parameters
+        ----------
+        rehearse : callable, optional
+            Called last before the clock starts.
 
         Raises
         ------
         RunError
             If the ECU that the scenario wants alive is lost, or the recording fails.
         """
-        tick = self._tick(recorder)
-        limit = self.parts.ticks if most_ticks is None else min(most_ticks, self.parts.ticks)
+        tick = self.put_together(recorder)
         values = self.parts.vector.values
         lateness, cpu_time = self.parts.vector.index("lateness"), self.parts.vector.index("tick_cpu_time")
         times = pacer.times
         timed = times.lateness_ns.size > 0
+        pacer.prepare()
+        if rehearse is not None:
+            rehearse()
+        self._connection.side.prepare()
         pacer.start()
-        for n in range(limit):
+        for n in range(self.parts.ticks):
             pacer.wait(n)
             if timed:
                 values[lateness] = times.lateness_ns[n] * 1e-9
@@ -221,8 +275,11 @@ class Session:
 
 def timing_extras(parts: Parts) -> dict[str, Any]:
     """What the bus side adds to the verdict's timing block."""
-    return {
+    extras: dict[str, Any] = {
         "frames_from_ecu": parts.from_ecu.statistics(),
         "frames_unknown": parts.from_ecu.unknown_frames,
         "frames_rejected": parts.from_ecu.rejected_frames,
     }
+    if parts.injector is not None:
+        extras["injector"] = parts.injector.summary()
+    return extras

@@ -106,6 +106,7 @@ class Stimuli:
         self._waiting = list(stimuli)
         self._parameter_stimuli: list[_Active] = []
         self._overrides: dict[Stage, list[tuple[_Active, int]]] = {stage: [] for stage in Stage}
+        self._set_last: dict[str, float] = {}
         self._time_s = 0.0
         self.active_count = 0
         self.log: list[tuple[float, str, str]] = []
@@ -144,15 +145,20 @@ class Stimuli:
             if self._over(active):
                 self._end_parameter(active)
             else:
-                value = active.waveform(time_s - active.began_s)
-                self._parameters[active.stimulus.target][1](
-                    active.before + value if active.stimulus.relative else value
-                )
+                self._set(active, active.waveform(time_s - active.began_s))
         for overrides in self._overrides.values():
             for entry in overrides[:]:
                 if self._over(entry[0]):
                     overrides.remove(entry)
                     self._note(entry[0].stimulus, "ends")
+
+    def _set(self, active: _Active, value: float) -> None:
+        """Set a parameter, if it is not what was set last: filling a part's tables anew takes much of a tick."""
+        target = active.stimulus.target
+        wanted = active.before + value if active.stimulus.relative else value
+        if self._set_last.get(target) != wanted:
+            self._parameters[target][1](wanted)
+            self._set_last[target] = wanted
 
     def _over(self, active: _Active) -> bool:
         # a microsecond less, so that rounding of the times does not add a tick
@@ -179,6 +185,7 @@ class Stimuli:
         self._parameter_stimuli.remove(active)
         if active.stimulus.restore:
             self._parameters[active.stimulus.target][1](active.before)
+            self._set_last.pop(active.stimulus.target, None)
         self._note(active.stimulus, "ends")
 
     def _override(self, stage: Stage, values: NDArray[np.float64]) -> None:

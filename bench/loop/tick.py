@@ -5,7 +5,7 @@ record. Every part writes its own block of the signal vector; this module only s
 """
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,9 @@ from vehicle_model.manoeuvre import Manoeuvre
 from vehicle_model.powertrain import Powertrain
 from vehicle_model.sensors import Sensors
 
+if TYPE_CHECKING:
+    from bench.injection.in_run import InjectorInRun
+
 TICK_S = 1e-3
 MAX_FRAMES_PER_TICK = 4096
 
@@ -29,6 +32,9 @@ class EcuSide(Protocol):
     """What stands on the other side of the bus, as the tick sees it."""
 
     origin_ns: int
+
+    def prepare(self) -> None:
+        """Called last before the clock starts."""
 
     def receive(self, tick: int, frames: NDArray[np.void]) -> int:
         """Frames that the bench sees in this tick; returns their number."""
@@ -74,6 +80,7 @@ class Tick:
         tap: Receiver,
         estimators: Sequence[EstimatorSlot],
         recorder: Recorder,
+        injector: "InjectorInRun | None" = None,
     ) -> None:
         self.vector = vector
         self._values = vector.values
@@ -90,6 +97,7 @@ class Tick:
         self._tap = tap
         self._estimators = tuple(estimators)
         self._recorder = recorder
+        self._injector = injector
         self._received = np.zeros(MAX_FRAMES_PER_TICK, FRAME_DTYPE)
         self._due = np.zeros(64, FRAME_DTYPE)
         self._bus_load = BusLoad()
@@ -130,7 +138,12 @@ class Tick:
         time_s = tick * TICK_S
         values[self._time] = time_s
 
+        injector = self._injector
+        if injector is not None:
+            injector.begin_tick(tick)
         received = self._ecu_side.receive(tick, self._received)
+        if injector is not None:
+            received = injector.to_bench(self._received, received, tick)
         self._from_ecu.accept(self._received, received, tick)
 
         self._manoeuvre.tick(time_s)
@@ -150,6 +163,7 @@ class Tick:
             self._valve_outlet,
             values[self._pump],
             self._hydraulics_block,
+            self._true_wheel_speed,
         )
         stimuli.override_actuation()
 
@@ -161,17 +175,25 @@ class Tick:
         stimuli.override_sensed()
 
         due = self._transmitter.due(tick, self._due)
-        if due:
-            self._ecu_side.send(tick, self._due, due)
-        self._tap.accept(self._due, due, tick)
+        passed, passed_count = (self._due, due) if injector is None else injector.to_ecu(self._due, due, tick)
+        if passed_count:
+            self._ecu_side.send(tick, passed, passed_count)
+        self._tap.accept(passed, passed_count, tick)
 
         for estimator in self._estimators:
             estimator.tick()
 
         values[self._load] = self._bus_load.update(self._received, received, self._due, due)
         values[self._faults_active] = stimuli.active_count
+        if injector is not None:
+            values[self._faults_active] += injector.acting
+            injector.end_tick()
         self._recorder.write_row(values, tick)
         if received:
             self._recorder.write_frames(self._received, received)
         if due:
+            if passed is not self._due:
+                self._due["timestamp_ns"][:due] += self._ecu_side.origin_ns
             self._recorder.write_frames(self._due, due)
+        if injector is not None:
+            injector.record(self._recorder.write_frames, self._ecu_side.origin_ns)

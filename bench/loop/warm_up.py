@@ -1,37 +1,54 @@
-"""Compile, or load from the disk cache, everything that a tick calls, before a clock runs."""
+"""What a run does before its clock starts: compile, or load from the disk cache, everything that a tick calls."""
 
-import os
-import time
 from collections.abc import Callable
-from pathlib import Path
 
+from bench.loop.connection import connect
 from bench.loop.memory import MemoryRecorder
-from bench.loop.pacing import LockstepPacer
+from bench.loop.scheduling import plan_cores
+from bench.loop.session import Session, build_parts
 from bench.scenario.schema import ScenarioFile
+from signals.compile_cache import compile_folder
 
-WARM_UP_TICKS = 60
+REHEARSED_TICKS = 60
 MARK = "compiled.txt"
 
 
-def warm_up(scenario: ScenarioFile, say: Callable[[str], None]) -> float:
-    """Run a few ticks of the scenario in memory with the controller in this process; returns the seconds it took.
+class Rehearsal:
+    """A copy of the run in memory, with the controller in this process.
 
-    The emulated ECU's process then finds its compiled code on disk.
+    Its first ticks compile. Gone on with just before the clock starts, it brings code and tables back into the
+    processor's caches, so that the run's first tick costs what every tick costs.
+
+    Parameters
+    ----------
+    scenario : ScenarioFile
     """
-    from bench.loop.connection import connect
-    from bench.loop.scheduling import plan_cores
-    from bench.loop.session import Session, build_parts
 
-    began = time.perf_counter()
-    mark = Path(os.environ.get("NUMBA_CACHE_DIR", ".")) / MARK
+    def __init__(self, scenario: ScenarioFile) -> None:
+        ecu = scenario.ecu.model_copy(update={"kind": "inprocess", "link": None, "kill": None})
+        trial = scenario.model_copy(update={"ecu": ecu, "pacing": "lockstep"})
+        parts = build_parts(trial)
+        self._most_ticks = parts.ticks
+        recorder = MemoryRecorder(parts.ticks, len(parts.vector.names))
+        self._tick = Session(parts, connect(trial, parts.codec, plan_cores())).put_together(recorder)
+        self._next = 0
+
+    def go_on(self) -> None:
+        """Run the next few ticks, if there are any left."""
+        for _ in range(REHEARSED_TICKS):
+            if self._next >= self._most_ticks or self._tick.finished:
+                return
+            self._tick.run(self._next)
+            self._next += 1
+
+
+def warm_up(scenario: ScenarioFile, say: Callable[[str], None]) -> Rehearsal:
+    """Compile everything that the scenario needs; the emulated ECU's process then finds its code on disk."""
+    mark = compile_folder() / MARK
     if not mark.exists():
         say("compiling the models: about a minute, only after an installation or a change")
-    ecu = scenario.ecu.model_copy(update={"kind": "inprocess", "link": None, "kill": None})
-    trial = scenario.model_copy(update={"ecu": ecu, "pacing": "lockstep"})
-    parts = build_parts(trial)
-    recorder = MemoryRecorder(WARM_UP_TICKS, len(parts.vector.names))
-    connection = connect(trial, parts.codec, plan_cores())
-    Session(parts, connection).run(recorder, LockstepPacer(WARM_UP_TICKS), most_ticks=WARM_UP_TICKS)
+    rehearsal = Rehearsal(scenario)
+    rehearsal.go_on()
     mark.parent.mkdir(parents=True, exist_ok=True)
     mark.touch()
-    return time.perf_counter() - began
+    return rehearsal

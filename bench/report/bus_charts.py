@@ -75,6 +75,8 @@ def message_statistics(run: RunData) -> list[MessageStatistics]:
     if run.frames is None or len(run.frames) == 0:
         return []
     frames = run.frames[(run.frames["flags"] & ERROR) == 0]
+    if "injector" in run.timing:
+        frames = frames[frames["channel"] == 0]  # channel 1 has the same traffic as the ECU's side saw it
     times = frame_times(run, frames)
     known = _database(run)
     extended = (frames["flags"] & EXTENDED) != 0

@@ -49,6 +49,11 @@ def criterion_rows(verdict: Mapping[str, Any]) -> list[CriterionRow]:
     return sorted(rows, key=lambda row: (-_rank(row.verdict), row.informative))
 
 
+def has_values(verdict: Mapping[str, Any]) -> bool:
+    """False for a run that ended before any criterion had something to judge."""
+    return any(criterion.get("value") is not None for criterion in verdict.get("criteria", []))
+
+
 def tally(verdict: Mapping[str, Any]) -> str:
     """``12 criteria: 11 pass, 1 fail``."""
     judged = [row.verdict for row in criterion_rows(verdict) if not row.informative]

@@ -17,6 +17,7 @@ _DURATIONS = {
     "tick_duration_us": "wall-clock time of a tick",
 }
 _RECEIVED = "frames_from_ecu"
+_INJECTOR = "injector"
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,32 @@ def percentile_table(run: RunData) -> Table | None:
 
 def timing_pairs(run: RunData) -> list[tuple[str, str]]:
     """Timing block without what has a table of its own."""
-    return pairs({key: value for key, value in run.timing.items() if key not in _DURATIONS and key != _RECEIVED})
+    elsewhere = (*_DURATIONS, _RECEIVED, _INJECTOR)
+    return pairs({key: value for key, value in run.timing.items() if key not in elsewhere})
+
+
+def fault_table(run: RunData) -> Table | None:
+    """What each fault on the bus did, and at which level it was realised."""
+    faults = (run.timing.get(_INJECTOR) or {}).get("faults") or []
+    rows = [
+        [
+            str(fault.get("name", "")),
+            str(fault.get("kind", "")).replace("_", " "),
+            str(fault.get("e2e", "")).replace("_", " "),
+            str(fault.get("realised_as", "")).replace("_", " "),
+            seconds(fault["first_s"]) if isinstance(fault.get("first_s"), (int, float)) else "never",
+            number(fault.get("runs")),
+            number(fault.get("frames")),
+        ]
+        for fault in faults
+    ]
+    heads = ["fault", "disturbance", "E2E class", "realised as", "first at", "runs", "frames"]
+    return _table(heads, rows, first_number=4)
+
+
+def injector_pairs(run: RunData) -> list[tuple[str, str]]:
+    """Counts of the injector."""
+    return pairs((run.timing.get(_INJECTOR) or {}).get("counts") or {})
 
 
 def receiver_table(run: RunData) -> Table | None:

@@ -1,7 +1,7 @@
 """From contents to one self-contained file: template, style, script and data in a single page."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,9 @@ def _environment() -> Environment:
     )
 
 
-def render(template: str, data: Mapping[str, Any], contents: Mapping[str, Any]) -> str:
+def render(
+    template: str, data: Mapping[str, Any], contents: Mapping[str, Any], scripts: Sequence[str] = SCRIPTS
+) -> str:
     """Page with everything inside it.
 
     Parameters
@@ -35,11 +37,13 @@ def render(template: str, data: Mapping[str, Any], contents: Mapping[str, Any]) 
         What the page's script draws.
     contents : mapping
         Variables of the template.
+    scripts : sequence of str
+        Files of the assets folder that make the page's script.
     """
     inline = json.dumps(data, separators=(",", ":"), allow_nan=False)
     for character, escape in (("<", "\\u003c"), (">", "\\u003e"), ("&", "\\u0026")):
         inline = inline.replace(character, escape)  # nothing in the data can end the script element
-    script = "\n".join((FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS)
+    script = "\n".join((FOLDER / name).read_text(encoding="utf-8") for name in scripts)
     style = (FOLDER / "style.css").read_text(encoding="utf-8")
     page = _environment().get_template(template)
     return page.render(contents, data=Markup(inline), script=Markup(script), style=Markup(style))

@@ -11,15 +11,22 @@ from bench.recording.arrays import RunArrays
 from bench.report import brake_charts, bus_charts, details, friction_charts, motion_charts, page_content, timing_charts
 from bench.report.charts import ChartBook
 from bench.report.criteria_table import tally
+from bench.report.film_strip import strip_of
 from bench.report.formatting import VERDICT_SYMBOLS
-from bench.report.page_rendering import render
+from bench.report.page_rendering import render as render_page
 from bench.report.run_data import RunData
 from bench.report.run_reading import load_run
 
 _ICON_COLOURS = {"pass": "%2312713f", "fail": "%23b3132f", "inconclusive": "%23b07a00", "error": "%237a1fa2"}
 
 
-def build(run_dir: str | Path, *, signals: RunArrays | None = None, frames: NDArray[np.void] | None = None) -> Path:
+def build(
+    run_dir: str | Path,
+    *,
+    signals: RunArrays | None = None,
+    frames: NDArray[np.void] | None = None,
+    render: bool = False,
+) -> Path:
     """Write ``report.html`` into a run's folder and return its path.
 
     Whatever the folder lacks is left out and said: the report of a run that broke off is made from what is there.
@@ -30,6 +37,8 @@ def build(run_dir: str | Path, *, signals: RunArrays | None = None, frames: NDAr
         Folder of the run, or its name under ``runs/``.
     signals, frames : optional
         The recording, where the caller still has it in memory.
+    render : bool
+        Show the car as MuJoCo renders it, which takes some seconds; without it the strip is a drawing from above.
 
     Raises
     ------
@@ -39,17 +48,18 @@ def build(run_dir: str | Path, *, signals: RunArrays | None = None, frames: NDAr
     run = load_run(run_dir, signals=signals, frames=frames)
     path = run.folder / "report.html"
     partial = path.with_name(f".{path.name}.partial")
-    partial.write_text(page_of(run), encoding="utf-8")
+    partial.write_text(page_of(run, render=render), encoding="utf-8")
     os.replace(partial, path)
     return path
 
 
-def page_of(run: RunData) -> str:
+def page_of(run: RunData, *, render: bool = False) -> str:
     """The page of a run."""
     statistics = bus_charts.message_statistics(run)
     book = charts_of(run, statistics)
     steps = run.steps()
     criteria = page_content.criteria(run)
+    strip = strip_of(run, render=render)
     contents: dict[str, Any] = {
         "title": f"{run.outcome}: {run.name}",
         "icon_colour": _ICON_COLOURS.get(run.outcome, _ICON_COLOURS["error"]),
@@ -61,6 +71,8 @@ def page_of(run: RunData) -> str:
         "errors": run.verdict.get("errors") or [],
         "remarks": [*(run.verdict.get("remarks") or []), *run.remarks],
         "tiles": page_content.tiles(run),
+        "strip": strip,
+        "drawn": any(picture.startswith("<svg") for picture, _ in strip),
         "criteria": [entry for entry in criteria if not entry[0].informative],
         "figures": [(row.name, row.value, row.description) for row, _ in criteria if row.informative],
         "book": book,
@@ -72,13 +84,15 @@ def page_of(run: RunData) -> str:
         "percentiles": details.percentile_table(run),
         "timing": details.timing_pairs(run),
         "receivers": details.receiver_table(run),
+        "faults": details.fault_table(run),
+        "injector": details.injector_pairs(run),
         "parameters": details.parameter_table(run),
         "versions": _versions(run),
         "scenario_text": run.scenario_text,
         "files": page_content.files(run),
         "version": (run.verdict.get("versions") or {}).get("brake-control-bench", ""),
     }
-    return render("report.html.j2", book.inline([step.inline() for step in steps]), contents)
+    return render_page("report.html.j2", book.inline([step.inline() for step in steps]), contents)
 
 
 def charts_of(run: RunData, statistics: list[bus_charts.MessageStatistics]) -> ChartBook:

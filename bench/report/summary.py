@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bench.report.criteria_table import CriterionRow, criterion_rows, tally
+from bench.report.criteria_table import CriterionRow, criterion_rows, has_values, tally
 from bench.report.formatting import VERDICT_SYMBOLS
 from bench.report.run_data import read_json
 
@@ -49,11 +49,12 @@ def print_summary(
     )
     console.print()
     console.print(head)
-    rows = criterion_rows(content)
-    if rows:
-        console.print(criteria_table(rows, console.width))
-    for text in content.get("errors") or []:
+    errors = content.get("errors") or []
+    for text in errors:
         console.print(Text(f"error: {text}", style="bold magenta"))
+    rows = criterion_rows(content)
+    if rows and not (errors and not has_values(content)):
+        console.print(criteria_table(rows, console.width))
     for text in content.get("remarks") or []:
         console.print(Text(f"remark: {text}", style="yellow"))
     _print_files(console, folder)

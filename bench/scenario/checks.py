@@ -94,6 +94,19 @@ def check_car(scenario: "ScenarioFile", context: Context) -> None:
     context.parameters |= {info.path: info for info in road_parameter_table(scenario.road)}
 
 
+def check_road(scenario: "ScenarioFile", context: Context) -> None:
+    """What of the road the plant would not notice."""
+    road, plant = scenario.road, scenario.plant
+    if road.roughness.level > 0.0 and plant != "mujoco":
+        context.add(
+            ("road",), f"a rough road under plant {plant}, which drives on a smooth one", allowed="plant: mujoco"
+        )
+    films = [road.water.film, *(patch.water_film or 0.0 for patch in road.patches)]
+    if (max(films) > 0.0 or road.water.speed_dependence > 0.0) and plant not in ("mujoco", "single_track"):
+        allowed = "plant: mujoco or single_track"
+        context.add(("road",), f"water under plant {plant}, which knows none", allowed=allowed)
+
+
 def check_overrides(scenario: "ScenarioFile", context: Context) -> dict[str, float]:
     """Values of overrides and sensors in SI units by dotted path."""
     if not context.parameters:
@@ -161,6 +174,18 @@ def check_estimators(scenario: "ScenarioFile", context: Context) -> dict[str, di
                 details = {"found": p.found, "allowed": p.allowed, "nearest": p.nearest, "key": p.key}
                 context.add((*place, *p.path), p.problem, **details)
     return settings
+
+
+def check_faults(scenario: "ScenarioFile", context: Context) -> None:
+    """Conditions and phases of the faults on the bus; adds the injector's signals to the units."""
+    from bench.injection.signals import injector_signals
+
+    context.units |= {signal.name: signal.unit for signal in injector_signals(scenario.faults)}
+    if context.phases is None:
+        return
+    for number, fault in enumerate(scenario.faults):
+        place = ("faults", number)
+        context.add_field_errors(place, fault.trigger.faults(context.units, context.phases))
 
 
 def check_conditions(scenario: "ScenarioFile", context: Context) -> None:

@@ -19,6 +19,9 @@ VEHICLE_SECTIONS = (
     "driveline",
     "aerodynamics",
     "sensors",
+    "planar",
+    "two_track",
+    "steered_track",
     "tyres",
 )
 _PARAMETERS = (*VEHICLE_SECTIONS, "road")

@@ -48,18 +48,23 @@ class Checked:
 KINDS = (
     Kind("scenario", "bench.scenario.schema:ScenarioFile", partial=True),
     Kind("procedure", "bench.scenario.procedure_file:ProcedureFile"),
+    Kind("campaign", "bench.campaign.campaign_file:CampaignFile"),
     Kind("vehicle", "vehicle_model.vehicle_file:VehicleFile", partial=True),
     Kind("tyre", "vehicle_model.tyres.tyre_file:TyreFile"),
     Kind("road", "vehicle_model.road_file:RoadFile"),
     Kind("surfaces", "vehicle_model.road_file:SurfaceFile"),
     Kind("calibration", "bench.ecu.calibration:CalibrationFile"),
     Kind("mapping", "bench.codec.mapping_file:MappingFile"),
+    Kind("surface_comparison", "bench.estimation.surfaces_file:SurfaceComparisonFile"),
     Kind("criteria", "bench.verdict.criteria_file:CriteriaFile"),
+    Kind("faults", "can_fault_injector.faults.fault_file:FaultsFile"),
 )
 SCHEMA_KINDS = tuple(kind.name for kind in KINDS)
 _BY_NAME = {kind.name: kind for kind in KINDS}
 _TELLING = {
+    "hazards": "campaign",
     "manoeuvre": "scenario",
+    "compared": "surface_comparison",
     "runs": "procedure",
     "extends": "vehicle",
     "body": "vehicle",
@@ -67,6 +72,7 @@ _TELLING = {
     "monitoring": "calibration",
     "ecu": "scenario",
     "include": "scenario",
+    "faults": "faults",
 }
 DATABASES = (".dbc", ".kcd", ".sym", ".arxml")
 
@@ -112,6 +118,8 @@ def check_file(argument: str) -> Checked:
     """
     if argument.endswith(DATABASES):
         return _check_database(argument)
+    if argument.lower().endswith(".tir"):
+        return _check_tir(argument)
     path = find_scenario(argument)
     document = load_yaml(path)
     kind = kind_of_file(document)
@@ -150,6 +158,14 @@ def _check_procedure(path: Path, loaded: Document) -> str:
     return f" of {len(procedure.runs)} kinds of runs, {len(procedure.criteria)} criteria"
 
 
+def _check_campaign(path: Path, loaded: Document) -> str:
+    from bench.campaign.engine import read_campaign
+    from bench.campaign.fault_space import FaultSpace
+
+    campaign = read_campaign(path)
+    return f" of {len(campaign.faults)} kinds of faults, {FaultSpace(campaign).singles} single ones"
+
+
 def _check_vehicle(path: Path, loaded: Document) -> str:
     from vehicle_model.vehicle_file import load_vehicle, parameter_table
 
@@ -177,6 +193,13 @@ def _check_database(argument: str) -> Checked:
     return Checked("CAN database", f", {len(layout.carriers)} messages")
 
 
+def _check_tir(argument: str) -> Checked:
+    from vehicle_model.tyres.tir_check import read_checked, version_of
+
+    tir = read_checked(argument)
+    return Checked("tyre of the Magic Formula", f" {version_of(tir) / 10.0:.1f}, {len(tir.numbers)} numbers")
+
+
 def _check_mapping(path: Path, loaded: Document) -> str:
     from bench.codec.resolve import load_layout
 
@@ -187,6 +210,7 @@ def _check_mapping(path: Path, loaded: Document) -> str:
 _CHECKS: dict[str, Callable[[Path, Document], str]] = {
     "scenario": _check_scenario,
     "procedure": _check_procedure,
+    "campaign": _check_campaign,
     "vehicle": _check_vehicle,
     "tyre": _check_tyres,
     "road": _check_road,

@@ -24,6 +24,7 @@ _FILES: tuple[DataPath, ...] = (
     ("ecu", "dbc"),
     ("ecu", "mapping"),
     ("ecu", "calibration"),
+    ("faults",),
 )
 _SUFFIXES = (".yaml", ".yml", ".dbc", ".kcd", ".sym", ".arxml")
 
@@ -128,11 +129,14 @@ class _Resolver:
         if isinstance(self.document.data, dict):
             self._absolute_paths()
             self._read_road()
+            self._read_faults()
         scenario = self._validated()
         context = self.context
         checks.check_car(scenario, context)
+        checks.check_road(scenario, context)
         numbers = checks.check_overrides(scenario, context)
         estimators = checks.check_estimators(scenario, context)
+        checks.check_faults(scenario, context)
         checks.check_conditions(scenario, context)
         checks.check_all_criteria(scenario, context)
         stimuli = checks.check_stimuli(scenario, context)
@@ -184,6 +188,21 @@ class _Resolver:
         except InputError as error:
             self.context.add_error(("road",), error)
             del self.document.data["road"]
+
+    def _read_faults(self) -> None:
+        """Faults given by the path of a file, as the faults themselves."""
+        from can_fault_injector.faults.fault_file import load_faults
+
+        path = self.document.data.get("faults")
+        if not isinstance(path, str):
+            return
+        try:
+            faults = load_faults(path)
+        except InputError as error:
+            self.context.add_error(("faults",), error)
+            del self.document.data["faults"]
+            return
+        self.document.data["faults"] = [fault.model_dump(exclude_none=True) for fault in faults]
 
     def _validated(self) -> ScenarioFile:
         """The model; sections with faults are noted and left out so that the others can be checked too."""

@@ -7,14 +7,17 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from bench.codec.mapping_file import Protection
 from bench.scenario.stimulus_file import StimulusEntry
 from bench.scenario.variants import Variants
 from bench.verdict.criteria_file import Criterion, ValidIfList
+from can_fault_injector.faults.fault_file import Fault, name_faults
 from signals.conditions import Condition
 from signals.errors import FieldError
 from signals.quantities import FileModel, parameter
 from vehicle_model.manoeuvre_file import ManoeuvreFile
 from vehicle_model.road_file import RoadFile
+from vehicle_model.sensors_file import AccelerationSource
 
 EcuKind = Literal["emulated", "inprocess", "external", "none"]
 
@@ -40,6 +43,11 @@ class Ecu(FileModel):
     )
     calibration: str = Field(
         default="sensitive", description="of the emulated ECU: sensitive, coarse or the path of a file"
+    )
+    protection: Protection = Field(
+        default="full",
+        description="what ECU and bench check of protected frames; full: CRC, alive counter and timeouts; crc: the CRC "
+        "alone; none: nothing",
     )
     expect: Literal["alive", "silent", "lost"] = Field(
         default="alive",
@@ -124,9 +132,11 @@ class ScenarioFile(FileModel):
         description="files that this one is laid over, paths relative to it; later ones win, this file wins over all",
     )
     vehicle: str = Field(default="ekf_car", description="name of a shipped car or path of a vehicle file")
-    plant: Literal["mujoco", "single_track"] = Field(
+    plant: Literal["mujoco", "single_track", "planar", "two_track", "steered_track"] = Field(
         default="mujoco",
-        description="mujoco: the 16-DOF car; single_track: the longitudinal twin of the friction document",
+        description="mujoco: the 16-DOF car; single_track: the longitudinal twin of the friction document; planar: the "
+        "planar car of the vehicle-state document, in steps of 0.1 ms; two_track: the car with a roll axis of the "
+        "vertical-load document; steered_track: the four-state car of the force document",
     )
     plant_options: PlantOptions = Field(default_factory=PlantOptions, description="numerics of the plant")
     tyres: str | None = Field(
@@ -138,6 +148,11 @@ class ScenarioFile(FileModel):
     )
     sensors: dict[str, Any] = Field(
         default={}, description="sensor errors, laid over the section of the same name in the vehicle file"
+    )
+    acceleration_source: AccelerationSource | None = Field(
+        default=None,
+        description="where longitudinal_acceleration comes from, in place of the vehicle's: cluster_can, the sensor "
+        "cluster with its errors; noisy; noise_free; ideal, no sensor",
     )
     road: Annotated[RoadFile, Field(json_schema_extra=_or_name)] = Field(
         default_factory=RoadFile, description="name of a shipped road, path of a road file, or the road itself"
@@ -151,6 +166,9 @@ class ScenarioFile(FileModel):
     ecu: Ecu = Field(default_factory=Ecu, description="the control unit under test and the link to it")
     stimuli: list[StimulusEntry] = Field(
         default=[], description="changes of parameters and signals while the run goes on"
+    )
+    faults: Annotated[list[Fault], Field(json_schema_extra=_or_name)] = Field(
+        default=[], description="faults on the bus between bench and ECU, or the path of a fault file"
     )
     estimators: Estimators = Field(
         default={},
@@ -176,4 +194,5 @@ class ScenarioFile(FileModel):
             if stimulus.name and stimulus.name in seen:
                 raise FieldError("two stimuli of one name", at=("stimuli", number, "name"))
             seen.add(stimulus.name)
+        name_faults(self.faults)
         return self

@@ -24,6 +24,8 @@ def vehicle_as_driven(scenario: "ScenarioFile") -> "VehicleFile":
     vehicle = nominal_vehicle(scenario)
     if scenario.tyres is not None:
         object.__setattr__(vehicle, "tyres", load_tyres(scenario.tyres))
+    if scenario.acceleration_source is not None:
+        vehicle.sensors.acceleration_source = scenario.acceleration_source
     for path, value in {**flat(scenario.sensors, "sensors"), **scenario.overrides}.items():
         set_parameter(vehicle, path, value)
     return vehicle

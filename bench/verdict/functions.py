@@ -107,7 +107,7 @@ def _moving_mean(rows: Rows, x: Any, span: Any) -> Any:
 
 
 def _at(rows: Rows, x: Any, time: Any) -> Any:
-    values, instant = np.asarray(_series(rows, x), np.float64), float(time)
+    values, instant = np.asarray(_series(rows, x), np.float64), float(np.asarray(time).item())
     if not rows.time[0] <= instant <= rows.time[-1]:
         raise NoValueError(f"the time {instant:g} s is outside the phase")
     return np.array([[np.interp(instant, rows.time, column) for column in values.T]])

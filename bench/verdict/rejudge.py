@@ -48,7 +48,7 @@ def judge_recording(
         If a file is missing or wrong, or a criterion names what the recording does not have, with every place.
     """
     loaded = load_criteria(criteria)
-    radius = _wheel_radius_m(vehicle)
+    radius = wheel_radius_m(vehicle)
     data = open_foreign(run, channels, radius) if channels is not None else _open_own(run)
     _check(loaded, data)
     information = data.information
@@ -97,7 +97,8 @@ def open_foreign(log: str | Path, channels: str | Path, wheel_radius_m: float | 
     return RunArrays(time, {"time": time} | columns, {"time": "s"} | measured.units())
 
 
-def _wheel_radius_m(vehicle: str | Path | None) -> float | None:
+def wheel_radius_m(vehicle: str | Path | None) -> float | None:
+    """Mean wheel radius of a car, None without one [m]."""
     if vehicle is None:
         return None
     from vehicle_model.vehicle_file import load_vehicle

@@ -1,0 +1,88 @@
+"""Tables in Markdown and charts of a robustness study."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bench.estimation.comparison import Score
+from bench.estimation.robustness import PerturbationResult
+from bench.estimation.robustness_cases import RobustnessPlan
+from bench.report.plot_style import INK, plot_style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_COLOURS = ("#0b62c4", "#c2410c", "#0f7b4f", "#9333a8", "#515b6a", "#b45309")
+
+
+def table(plan: RobustnessPlan, result: PerturbationResult) -> str:
+    """Rows: estimators; columns: quantities at each level."""
+    labels = list(result.scores)
+    lines = [
+        "| Estimator | Quantity | " + " | ".join(labels) + " |",
+        "|---|---|" + "---:|" * len(labels),
+    ]
+    for name in plan.variants:
+        for quantity, figure in plan.quantities.items():
+            found = [_find(result.scores[label], name, quantity) for label in labels]
+            if any(score is not None for score in found):
+                shown = " | ".join("-" if score is None else _shown(score, figure) for score in found)
+                lines.append(f"| `{name}` | {_heading(quantity, figure)} | {shown} |")
+    return "\n".join(lines)
+
+
+def _find(scores: Sequence[Score], estimator: str, quantity: str) -> Score | None:
+    return next((s for s in scores if s.estimator == estimator and s.quantity == quantity), None)
+
+
+def _value(score: Score, figure: str) -> float:
+    return score.rmse if figure == "rmse" else 100.0 * score.relative_error
+
+
+def _shown(score: Score, figure: str) -> str:
+    return f"{score.rmse:.3g}" if figure == "rmse" else f"{100.0 * score.relative_error:+.1f} %"
+
+
+def _heading(quantity: str, figure: str) -> str:
+    words = quantity.replace("_", " ")
+    return f"{words}, RMSE" + (" in m/s" if quantity == "speed" else "") if figure == "rmse" else f"{words}, mean error"
+
+
+def draw(path: Path, plan: RobustnessPlan, result: PerturbationResult) -> None:
+    """One chart: a panel for each quantity, a line for each estimator over the levels."""
+    import matplotlib
+
+    matplotlib.use("agg")
+    from matplotlib import pyplot
+
+    with matplotlib.rc_context(plot_style()):
+        figure, axes = pyplot.subplots(
+            1, len(plan.quantities), figsize=(10.0, 2.9), layout="constrained", squeeze=False
+        )
+        figure.suptitle(result.perturbation.title, x=0.012, ha="left", fontsize=11, fontweight="bold", color=INK)
+        for axis, (quantity, kind) in zip(axes[0], plan.quantities.items(), strict=True):
+            _panel(axis, plan, result, quantity, kind)
+        handles = [
+            pyplot.Line2D([], [], color=colour, marker="o", markersize=4) for colour in _COLOURS[: len(plan.variants)]
+        ]
+        figure.legend(handles, list(plan.variants), ncols=len(plan.variants), loc="outside lower center")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(path, dpi=90)
+        pyplot.close(figure)
+
+
+def _panel(axis: "Axes", plan: RobustnessPlan, result: PerturbationResult, quantity: str, kind: str) -> None:
+    labels = list(result.scores)
+    for name, colour in zip(plan.variants, _COLOURS, strict=False):
+        found = [_find(result.scores[label], name, quantity) for label in labels]
+        values = [math.nan if score is None else _value(score, kind) for score in found]
+        if not all(math.isnan(value) for value in values):
+            axis.plot(range(len(labels)), values, "o-", color=colour, markersize=4)
+    axis.set_xticks(range(len(labels)), labels)
+    axis.set_xlim(-0.3, len(labels) - 0.7)
+    axis.set_ylabel(_heading(quantity, kind).replace("friction", "fr.") + (" in %" if kind != "rmse" else ""))
+    if kind == "rmse":
+        axis.set_ylim(bottom=0.0)
+    else:
+        axis.axhline(0.0, color=INK, linewidth=0.8)
