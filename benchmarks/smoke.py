@@ -3,14 +3,15 @@
 import tempfile
 from pathlib import Path
 
-from benchmarks import closed_loop_speed, plant_speed, real_time_lateness
+from benchmarks import can_bits_speed, closed_loop_speed, plant_speed, real_time_lateness
 
 PLANT_TICKS = 5000
 SLICE_S = 3.0
+CAN_FRAMES = 100_000
 
 
 def main() -> None:
-    """Plant, closed loop and real-time loop, a few seconds each."""
+    """Plant, closed loop, real-time loop and CAN bits, a few seconds each."""
     seconds = plant_speed.best_time("ekf_car", PLANT_TICKS)
     print(f"plant alone: {PLANT_TICKS * 1e-3 / seconds:.0f} x real time (goal {plant_speed.GOAL:.0f})")
     factors = closed_loop_speed.real_time_factor("friction/e4_abs_dry_95", 3)
@@ -19,6 +20,7 @@ def main() -> None:
         bench_times, empty_times = real_time_lateness.alternate(Path(folder), 1, SLICE_S, fifo=True, dashboard=False)
     real_time_lateness.show("bench", bench_times)
     real_time_lateness.show("empty", empty_times)
+    can_bits_speed.show(CAN_FRAMES)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,8 @@
-"""Traceability: tests name the requirement they check and record what they measured.
+"""Traceability: tests name the requirement they check and record what they measured; witnesses say what they saw.
 
 ``@pytest.mark.acceptance("F-A7")`` names one or more ids of ``docs/traceability.csv``; the fixture ``record`` keeps a
 measured value with its limit. With ``--write-traceability`` the file is updated from the run. See docs/traceability.md.
+The fixture ``witnessed`` puts a line into the summary of the run: what an independent program confirmed.
 """
 
 import csv
@@ -14,6 +15,7 @@ import pytest
 TRACEABILITY = Path(__file__).resolve().parent.parent / "docs" / "traceability.csv"
 COLUMNS = ("id", "source_line", "test_node_id", "measured", "limit", "verdict")
 _PROPERTY = "acceptance"
+_WITNESS = "witness"
 OPEN = "open"
 
 
@@ -52,6 +54,25 @@ def record(request: pytest.FixtureRequest) -> Callable[..., None]:
     return keep
 
 
+@pytest.fixture
+def witnessed(request: pytest.FixtureRequest) -> Callable[[str], None]:
+    """Say at the end of the run what an independent program confirmed: ``witnessed("2000 frames equal in …")``."""
+
+    def keep(text: str) -> None:
+        request.node.user_properties.append((_WITNESS, text))
+
+    return keep
+
+
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    passed = terminalreporter.stats.get("passed", [])
+    lines = [text for report in passed for name, text in report.user_properties if name == _WITNESS]
+    if lines:
+        terminalreporter.section("independent witnesses")
+        for line in lines:
+            terminalreporter.line(line)
+
+
 class _TraceabilityWriter:
     """Collects what the tests recorded, in the process that reports, and merges it into the file at the end."""
 
@@ -67,7 +88,8 @@ class _TraceabilityWriter:
             if name != _PROPERTY or not isinstance(kept, dict):
                 continue
             row = self._rows.setdefault((kept["id"], node), {"outcomes": set(), "measured": {}, "limit": []})
-            row["outcomes"].add(report.outcome)
+            # a miss that the test expects and gives the reason of is a miss all the same
+            row["outcomes"].add("failed" if hasattr(report, "wasxfail") else report.outcome)
             if "quantity" in kept:
                 row["measured"].setdefault(kept["quantity"], []).append(kept["value"])
                 if kept["limit"] not in row["limit"]:

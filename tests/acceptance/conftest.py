@@ -1,8 +1,10 @@
 """Runs of shipped scenarios, each made once: lock-step, ECU in the test's process, nothing written."""
 
 import json
+import sys
 from collections.abc import Callable, Mapping
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,6 +12,8 @@ import pytest
 import bench
 from bench.scenario.resolution import resolve
 from bench.verdict.result import CriterionResult
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 
 class JudgedRun:
@@ -35,12 +39,12 @@ Judge = Callable[..., JudgedRun]
 
 
 @cache
-def _judged(scenario: str, variant: str | None, sets: str) -> JudgedRun:
+def _judged(scenario: str, variant: str | None, sets: str, seed: int | None) -> JudgedRun:
     changes = json.loads(sets)
     # the ECU of a scenario without one stays away; any other runs in this process
     if resolve(scenario, changes, variant=variant).ecu.kind != "none":
         changes["ecu.kind"] = "inprocess"
-    run = bench.run(scenario, pacing="lockstep", variant=variant, sets=changes, record=False)
+    run = bench.run(scenario, pacing="lockstep", variant=variant, sets=changes, seed=seed, record=False)
     assert not run.verdict.errors, run.verdict.errors
     return JudgedRun(run)
 
@@ -49,8 +53,10 @@ def _judged(scenario: str, variant: str | None, sets: str) -> JudgedRun:
 def judged() -> Judge:
     """``judged("friction/e10_abs_grip_jump", variant=None, sets={...})`` runs a scenario once per session."""
 
-    def run(scenario: str, variant: str | None = None, sets: Mapping[str, Any] | None = None) -> JudgedRun:
-        return _judged(scenario, variant, json.dumps(sets or {}, sort_keys=True))
+    def run(
+        scenario: str, variant: str | None = None, sets: Mapping[str, Any] | None = None, seed: int | None = None
+    ) -> JudgedRun:
+        return _judged(scenario, variant, json.dumps(sets or {}, sort_keys=True), seed)
 
     return run
 

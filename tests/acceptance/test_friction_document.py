@@ -1,4 +1,4 @@
-"""Acceptance targets A1 to A13 and A17 of the friction document (4.8) on its own car, in the shipped scenarios.
+"""Acceptance targets A1 to A18 and A21 of the friction document (4.8) on its own car, in the shipped scenarios.
 
 The car is the document's single-track twin (2.4, 2.5), the ECU the emulated one over CAN frames, the limits are those
 of the scenarios. The same criteria on the MuJoCo car are listed in docs/acceptance.md.
@@ -9,11 +9,15 @@ from typing import Any
 
 import pytest
 
+from bench.scenario.locate import find_scenario
+from bench.scenario.procedure import judge_procedure, read_procedure
 from bench.scenario.resolution import resolve
 
 E6, E7 = "friction/e6_no_abs_high_grip", "friction/e7_no_abs_low_grip"
 E8, E9 = "friction/e8_abs_high_grip", "friction/e9_abs_low_grip"
 E10 = "friction/e10_abs_grip_jump"
+E1, E2, E3 = "friction/e1_slip_slope_100", "friction/e2_double_lane_change_33", "friction/e3_force_ekf"
+E14, TWO_STOPS = "friction/e14_friction_ekf", "friction/two_stops"
 Z1, Z2 = "friction/e11_zero_torque_z1", "friction/e11_zero_torque_z2"
 SIGNS = ("plus", "minus")
 AXLES = ("front", "rear")
@@ -27,7 +31,8 @@ both_axles = pytest.mark.parametrize("axle", AXLES)
 
 
 @pytest.mark.parametrize(
-    "scenario", [E6, E7, E8, E9, E10, Z1, Z2, *(f"friction/asphalt_sim_{case}" for case in ASPHALT)]
+    "scenario",
+    [E1, E3, E6, E7, E8, E9, E10, E14, TWO_STOPS, Z1, Z2, *(f"friction/asphalt_sim_{case}" for case in ASPHALT)],
 )
 def test_the_document_s_own_car_is_the_plant(scenario: str) -> None:
     assert resolve(scenario).plant == "single_track"
@@ -144,3 +149,65 @@ def test_braking_distance_of_the_asphalt_car(
     assert (low, high) == pytest.approx((0.95 * ASPHALT[case], 1.05 * ASPHALT[case]))
     assert_passed(run, "braking_distance", id="F-A17", quantity=f"{case}: distance from 10 % of the deceleration")
     record(f"{case}: distance from brake start m", run.value("distance_from_brake_start"), "reported")
+
+
+@pytest.mark.acceptance("F-A15", "F-14")
+def test_slip_slope_on_dry_asphalt(judged: Any, assert_passed: Any, record: Callable[..., None]) -> None:
+    run = judged(E1)
+    assert_passed(run, "A15_reached", id="F-A15", quantity="time to 0.9 ... 1.1")
+    assert_passed(run, "A15_after_one_second", id="F-A15", quantity="friction limit after 1 s")
+    assert_passed(run, "A15_friction_limit", id="F-A15", quantity="friction limit in braking, mean")
+    record("time outside the band after 1 s", run.value("A15_outside_later"), "reported", id="F-A15")
+
+
+@pytest.mark.acceptance("F-A16", "F-15")
+def test_cornering_stiffness_in_a_double_lane_change(judged: Any, assert_passed: Any) -> None:
+    """On the MuJoCo car: the single-track car has no lateral motion."""
+    run = judged(E2)
+    for axle in AXLES:
+        assert_passed(run, f"A16_slope_{axle}", id="F-A16", quantity=f"smallest slope {axle}, span of 2 deg")
+    assert_passed(run, "A16_no_alarm", id="F-A16", quantity="alarms with a span of 2 deg")
+    assert_passed(run, "A16_false_alarm", id="F-A16", quantity="share of false alarms with 0.05 deg")
+    assert run["grip_kept"].verdict == "pass"
+    assert run["span_seen"].verdict == "pass"
+
+
+@pytest.mark.acceptance("F-A14", "F-17")
+@pytest.mark.parametrize("criterion", ["A14_force_front", "A14_force_rear", "A14_force_front_cosine"])
+def test_force_ekf_in_launch_and_locked_stop(judged: Any, assert_passed: Any, criterion: str) -> None:
+    assert_passed(judged(E3), criterion, id="F-A14", quantity=f"{criterion}: RMSE over m g/2")
+
+
+@pytest.mark.acceptance("F-A21", "F-28")
+def test_noise_of_the_filter_and_of_the_simple_model(judged: Any, assert_passed: Any) -> None:
+    run = judged(E14)
+    assert_passed(run, "A21_noise", id="F-A21", quantity="std of friction, EKF over simple model, noisy accelerometer")
+    assert run["E14_friction_is_negative"].verdict == "pass"
+
+
+@pytest.mark.acceptance("F-22")
+@pytest.mark.parametrize(
+    "criterion",
+    ["resets_plus", "resets_minus", "active_while_locked", "start_speed_first", "start_speed_second"],
+)
+def test_two_stops_with_locked_wheels_and_spinning_launches(judged: Any, assert_passed: Any, criterion: str) -> None:
+    run = judged(TWO_STOPS)
+    assert run["locked_at_speed"].verdict == "pass"
+    assert run["launch_spins"].verdict == "pass"
+    assert_passed(run, criterion, id="F-22", quantity=criterion)
+
+
+@pytest.mark.acceptance("F-A18", "F-31")
+def test_two_roads_4_percent_apart(judged: Any, record: Callable[..., None]) -> None:
+    """The shipped procedure: five stops on each road, told by the filter without torques; none on the same road."""
+    procedure = read_procedure(find_scenario("friction/e14_sensitivity"))
+    verdicts = {
+        entry.name: [
+            judged(entry.scenario, entry.variant, entry.set, seed=entry.seed + number).verdict
+            for number in range(entry.repeat)
+        ]
+        for entry in procedure.runs
+    }
+    for criterion in judge_procedure(procedure, verdicts).criteria:
+        record(criterion.id, criterion.value, f"{criterion.limits[0]} ... {criterion.limits[1]}", id="F-A18")
+        assert criterion.verdict == "pass", criterion

@@ -1,5 +1,7 @@
 """Frames to bits and back, against an independent CRC library and published bit sequences."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from crccheck.crc import Crc15Can, Crc17CanFd, Crc21CanFd
@@ -7,6 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from can_fault_injector import Frame, ProtocolError
+from can_fault_injector.bits import crc_parameters
+from can_fault_injector.explain import explain
+from can_fault_injector.notation import frame_text, parse_frame
 
 FD_LENGTHS = (0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64)
 
@@ -39,6 +44,7 @@ def frames(draw: st.DrawFn) -> Frame:
     )
 
 
+@pytest.mark.acceptance("F-32")
 @settings(max_examples=1500, deadline=None)
 @given(frames())
 def test_every_frame_survives_the_wire(frame: Frame) -> None:
@@ -56,6 +62,36 @@ def _packed(bits: np.ndarray) -> bytes:
     return np.packbits(np.concatenate([np.zeros(-len(bits) % 8, np.uint8), bits])).tobytes()
 
 
+@pytest.mark.acceptance("F-32")
+def test_ten_thousand_random_frames_of_every_kind_survive_the_wire(record: Callable[..., None]) -> None:
+    generator = np.random.default_rng(32)
+    different = 0
+    for number in range(10_000):
+        fd, extended = number % 2 == 1, bool(generator.integers(2))
+        remote = not fd and number % 6 == 0
+        length = 0 if remote else FD_LENGTHS[generator.integers(16 if fd else 9)]
+        data = (generator.bytes(length), bytes(length), b"\xff" * length)[generator.integers(3)]
+        switch, error_state, iso = (fd and bool(generator.integers(2)) for _ in range(3))
+        identifier = int(generator.integers(1 << (29 if extended else 11)))
+        code = int(generator.integers(16)) if remote else None
+        frame = Frame(identifier, data, extended, remote, fd, switch, error_state, code, iso or not fd)
+        different += Frame.from_bits(frame.bits(), iso=frame.iso) != frame
+    record("frames of 10 000 that came back different", different, "0")
+    assert different == 0
+
+
+def test_fd01_crc_of_iso_starts_with_a_one_in_the_top_bit() -> None:
+    """ISO 11898-1:2015 against the older CAN FD, start value 0: other CRCs, and no stuff count (FD11)."""
+    for length, start in ((8, 1 << 16), (20, 1 << 20)):
+        assert crc_parameters(True, length, True)[2] == start
+        assert crc_parameters(True, length, False)[2] == 0
+        iso, older = (Frame(0x123, bytes(length), fd=True, iso=kind) for kind in (True, False))
+        assert _crc_field(iso, "crc") != _crc_field(older, "crc")
+        assert "stuff_count.0" in set(iso.bit_names())
+        assert "stuff_count.0" not in set(older.bit_names())
+
+
+@pytest.mark.acceptance("F-32")
 @settings(max_examples=300, deadline=None)
 @given(frames())
 def test_crc_equals_an_independent_library(frame: Frame) -> None:
@@ -75,6 +111,7 @@ def test_crc_equals_an_independent_library(frame: Frame) -> None:
     assert _crc_field(frame, "crc") == library.calc(_packed(stream))
 
 
+@pytest.mark.acceptance("F-32")
 def test_published_bit_sequence() -> None:
     """Id 0x207, data 0D: 55 bits, CRC 0x5E20, stuff bits at 8, 18, 44 (verified by four independent decoders)."""
     frame = Frame(0x207, b"\x0d")
@@ -161,3 +198,20 @@ def test_fixed_stuff_bits_and_crc_width(length: int, width: int, fixed: int) -> 
 def test_impossible_frames_are_refused(arguments: dict[str, object], word: str) -> None:
     with pytest.raises(ValueError, match=word):
         Frame(**arguments)  # type: ignore[arg-type]
+
+
+@settings(max_examples=300, deadline=None)
+@given(frames())
+def test_every_frame_has_a_text(frame: Frame) -> None:
+    assert parse_frame(frame_text(frame), frame.iso) == frame
+
+
+@settings(max_examples=300, deadline=None)
+@given(frames())
+def test_rows_hold_every_bit_once(frame: Frame) -> None:
+    explanation = explain(frame)
+    assert [bit.position for bit in explanation.bits] == list(range(frame.bits().size))
+    assert [bit.level for bit in explanation.bits] == frame.bits().tolist()
+    data = explanation.as_data()
+    assert data["length"] - data["stuff_bits"] - data["fixed_stuff_bits"] == frame.bits(stuffed=False).size
+    assert parse_frame(data["frame"], frame.iso) == frame

@@ -76,6 +76,22 @@ def test_start_speed_comes_from_the_wheels_that_do_not_slip(acceleration, expect
 
 
 @pytest.mark.acceptance("F-22")
+@pytest.mark.parametrize("name", ["friction_ekf", "friction_ukf", "force_ekf"])
+def test_it_waits_for_every_wheel_s_first_speed(name):
+    """Right wheels report 5 ms later than left ones: an axle's mean is half the car's speed until then."""
+    columns = {f"wheel_speed_{w}": np.full(20, 20.0 / twin.RADIUS) for w in WHEELS}
+    for w in ("fr", "rr"):
+        columns[f"wheel_speed_{w}"][:5] = 0.0
+    columns |= {key: np.zeros(20) for key in estimators.create(name, twin.TABLE_8).inputs if key not in columns}
+    columns["longitudinal_acceleration"] = np.full(20, 0.1)
+    estimator = estimators.create(name, twin.TABLE_8)
+    results = estimator.replay(columns)
+    at = names_of(estimator)
+    assert list(results[:6, at["active"]]) == [0, 0, 0, 0, 0, 1]
+    assert results[5, at["speed"]] == pytest.approx(20.0)
+
+
+@pytest.mark.acceptance("F-22")
 def test_standstill_gives_the_initial_state_and_no_division_by_zero():
     estimator = estimators.create("friction_ekf", twin.TABLE_8)
     columns = {name: np.zeros(50) for name in estimator.inputs}
@@ -209,6 +225,29 @@ def test_lost_frames_are_held_then_the_filter_resets_and_comes_back():
         assert results[lost.stop - 2, at["active"]] == (0.0 if resets else 1.0)
         assert np.abs(results[:end, at["speed"]][results[:end, at["active"]] > 0]).max() < 30.0
         assert results[end, at["friction_limit_front"]] == pytest.approx(1.12, rel=0.1)
+
+
+@pytest.mark.acceptance("F-37")
+def test_wheels_on_their_way_into_lock_do_not_restart_the_filter(record):
+    """Inputs are lost just before a stop without ABS and come back while the wheels lock: no confident wrong speed."""
+    truth = stop("E6")
+    columns, ages = twin.held(twin.measured(truth))
+    locked = np.flatnonzero((truth.wheel_front == 0.0) & (truth.speed > 5.0))[0]
+    worst = 0.0
+    for back in (locked - 60, locked - 30, locked - 10):
+        lost = slice(back - 250, back)
+        broken, late = {k: v.copy() for k, v in columns.items()}, {k: v.copy() for k, v in ages.items()}
+        late["age_wheel_speed"][lost] = late["age_wheel_speed"][lost.start - 1] + 0.001 * np.arange(1, 251)
+        for w in WHEELS:
+            broken[f"wheel_speed_{w}"][lost] = broken[f"wheel_speed_{w}"][lost.start - 1]
+        estimator = estimators.create("friction_ekf", twin.TABLE_8)
+        results = estimator.replay(broken, late)
+        at = names_of(estimator)
+        after = slice(lost.stop, len(truth))
+        error = np.abs(results[after, at["speed"]] - truth.speed[after])
+        worst = max(worst, float((error * (results[after, at["active"]] > 0)).max()))
+    record("speed error while active m/s", worst, "3")
+    assert worst < 3.0
 
 
 @pytest.mark.acceptance("F-37")

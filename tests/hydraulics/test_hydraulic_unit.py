@@ -18,7 +18,7 @@ ZERO, ONE = np.zeros(4), np.ones(4)
 
 
 def run(unit: HydraulicUnit, master_bar: float, valves: tuple[float, float], pump: float, steps: int) -> np.ndarray:
-    out = np.zeros(14)
+    out = np.zeros(18)
     for _ in range(steps):
         unit.tick(master_bar * BAR, np.full(4, valves[0]), np.full(4, valves[1]), pump, out)
     return out
@@ -26,7 +26,8 @@ def run(unit: HydraulicUnit, master_bar: float, valves: tuple[float, float], pum
 
 def test_output_is_the_block_of_the_catalogue() -> None:
     block = names()[block_slice("hydraulics")]
-    assert len(block) == 14
+    assert len(block) == 18
+    assert block[14] == "brake_disc_temperature_fl"
     assert block[0] == "true_master_pressure"
     assert block[1] == "true_brake_pressure_fl"
     assert block[5] == "hydraulic_state_fl"
@@ -47,7 +48,7 @@ def test_esp_logic_builds_up_to_the_pump_pressure_with_the_pedal_released() -> N
     unit = HydraulicUnit({**BRAKES, "hydraulics.pump_pressure": 80 * BAR}, selection_logic="esp")
     assert run(unit, 0.0, (0.0, 0.0), 1.0, 500)[1] == 0.0
     unit.set("hydraulics.active_build_up", 1.0)
-    out = np.zeros(14)
+    out = np.zeros(18)
     for n in range(1, 300):
         unit.tick(0.0, ZERO, ZERO, 1.0, out)
         assert out[1] / BAR == pytest.approx(80.0 * (1.0 - np.exp(-n * STEP_S / 0.05)), abs=1e-9)
@@ -105,7 +106,7 @@ def test_full_accumulator_without_pump_limits_the_drop() -> None:
 
 def test_accumulator_volume_is_conserved() -> None:
     generator = np.random.default_rng(11)
-    unit, out = HydraulicUnit(BRAKES), np.zeros(14)
+    unit, out = HydraulicUnit(BRAKES), np.zeros(18)
     stiffness = np.array([7e12, 7e12, 1.6e13, 1.6e13])
     released = np.zeros(2)
     mode = np.zeros(4)
@@ -141,7 +142,7 @@ def analytic_ramp(time_s: float, rate: float, delay_s: float, time_constant_s: f
 @pytest.mark.parametrize("delay_s", [0.0, 0.005, 0.0123])
 def test_first_order_brake_follows_the_closed_form_of_eq_79(delay_s: float) -> None:
     unit = HydraulicUnit({**BRAKES, "brakes.hydraulic_delay": delay_s}, brake="first_order")
-    out = np.zeros(14)
+    out = np.zeros(18)
     for n in range(500):
         unit.tick(400 * BAR * n * STEP_S, ZERO, ZERO, 0.0, out)
         expected = analytic_ramp(n * STEP_S, 400 * BAR, delay_s, 0.02)
@@ -179,6 +180,7 @@ def test_stuck_valve_overrules_the_command_of_its_wheel_only(
     assert out[6] == healthy != state
 
 
+@pytest.mark.acceptance("F-8")
 def test_failed_pump_leaves_the_accumulators_full() -> None:
     unit = HydraulicUnit({**BRAKES, "hydraulics.pump_failure": 1.0, "hydraulics.accumulator_volume": 1.5e-6})
     run(unit, 100.0, (0.0, 0.0), 1.0, 500)
@@ -186,8 +188,9 @@ def test_failed_pump_leaves_the_accumulators_full() -> None:
     assert unit.pumped_volume_m3 == pytest.approx([0.0, 0.0])
 
 
+@pytest.mark.acceptance("F-8")
 def test_slow_valve_acts_after_its_dead_time() -> None:
-    unit, out = HydraulicUnit({**BRAKES, "hydraulics.inlet_delay_fr": 0.02}), np.zeros(14)
+    unit, out = HydraulicUnit({**BRAKES, "hydraulics.inlet_delay_fr": 0.02}), np.zeros(18)
     run(unit, 100.0, (0.0, 0.0), 1.0, 50)
     states = []
     for _ in range(30):

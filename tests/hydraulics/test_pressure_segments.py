@@ -24,7 +24,7 @@ class Rig:
     def __init__(self, **options: Any) -> None:
         parameters = options.pop("parameters", {})
         self.unit = HydraulicUnit({**BRAKES, **parameters}, **options)
-        self.out = np.zeros(14)
+        self.out = np.zeros(18)
 
     def step(self, master_bar: float, valves: tuple[float, float], pump: float = 1.0, steps: int = 1) -> float:
         inlet, outlet = np.full(4, valves[0]), np.full(4, valves[1])
@@ -169,7 +169,7 @@ def test_same_inputs_give_the_same_bits() -> None:
 
 @pytest.mark.acceptance("F-8", "F-A20")
 def test_wheels_are_independent() -> None:
-    unit, out = HydraulicUnit(BRAKES), np.zeros(14)
+    unit, out = HydraulicUnit(BRAKES), np.zeros(18)
     inlet, outlet = np.array([0.0, 1.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0, 0.0])
     for _ in range(40):
         unit.tick(100 * BAR, np.zeros(4), np.zeros(4), 1.0, out)

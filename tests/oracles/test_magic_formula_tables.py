@@ -9,6 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from vehicle_model.tyres import read_tir
+from vehicle_model.tyres.relaxation import fill_in
+from vehicle_model.tyres.tir_writer import write_tir
+from vehicle_model.tyres.tyre_file import TirTyre
 
 DATA = Path(os.environ.get("BENCH_SHARED_DATA", Path(__file__).parents[2].parent / "shared" / "data"))
 pytestmark = pytest.mark.skipif(not (DATA / "mf61-oracle").is_dir(), reason=f"no reference tables in {DATA}")
@@ -77,13 +80,32 @@ def test_a_locked_wheel_brakes_less_than_the_peak_and_the_clamp_hides_it() -> No
     assert clamped[0] == pytest.approx(clamped.max(), rel=1e-9)
 
 
-@pytest.mark.parametrize("name", ["Sedan_Pac02Tire", "Generic_Pac02Tire", "mf_185_80R14"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "tir-chrono/Sedan_Pac02Tire",
+        "tir-chrono/Generic_Pac02Tire",
+        "tir-chrono/mf_185_80R14",
+        "tyre-rig-ttc-deid/obfuscated",
+        "tyre-rig-ttc-deid/obfuscated_v52",
+    ],
+)
 def test_public_tyres_have_a_falling_branch(name: str) -> None:
-    tyre = read_tir(DATA / "tir-chrono" / f"{name}.tir")
+    tyre = read_tir(DATA / f"{name}.tir")
     load = float(tyre.record["FNOMIN"][0] * tyre.record["LFZO"][0])
-    braking = -tyre.forces(np.linspace(-1.0, 0.0, 1001), 0.0, 0.0, load).fx
+    braking = -tyre.forces(np.linspace(-1.0, 0.0, 1001), 0.0, 0.0, load, check=False).fx
     assert braking[0] < 0.97 * braking.max()
     assert 0.03 < (1000 - int(braking.argmax())) / 1000 < 0.4
+
+
+@pytest.mark.parametrize(
+    "name", ["tir-chrono/Sedan_Pac02Tire", "tir-chrono/Generic_Pac02Tire", "tyre-rig-ttc-deid/obfuscated"]
+)
+def test_public_tyres_written_again_are_the_same(name: str, tmp_path: Path) -> None:
+    tyre = read_tir(DATA / f"{name}.tir")
+    again = read_tir(write_tir(tmp_path / "again.tir", tyre))
+    assert again.record.tobytes() == tyre.record.tobytes()
+    assert dict(again.limits.ranges) == dict(tyre.limits.ranges)
 
 
 def test_relaxation_lengths_of_a_public_tyre() -> None:
@@ -91,3 +113,7 @@ def test_relaxation_lengths_of_a_public_tyre() -> None:
     along, across = tyre.relaxation_lengths(4000.0)
     assert 0.1 < across < 1.5
     assert 0.1 < along < 1.5
+    entry = TirTyre(tir=str(DATA / "tir-chrono" / "Sedan_Pac02Tire.tir"))
+    fill_in(entry)
+    assert entry.relaxation_length_lateral == pytest.approx(tyre.relaxation_lengths(4850.0 * 0.81)[1])
+    assert entry.relaxation_length_longitudinal == pytest.approx(tyre.relaxation_lengths(4850.0 * 0.81)[0])

@@ -276,3 +276,23 @@ def test_countersteers_while_braking_on_split_friction() -> None:
     # the left side brakes more and turns the car to the left: the driver steers to the right
     assert steering["true"].min() < -0.01
     assert yaw["true"] < yaw["false"]
+
+
+def test_follow_a_path_of_points() -> None:
+    """A lane change of 3 m over 40 m at 72 km/h: the car is in the new lane and stays there."""
+    drive = Drive(
+        "steps:\n"
+        "  - name: change\n"
+        "    hold_speed: {speed: 72 km/h}\n"
+        "    steer: {follow: path, path: {x: [0, 60, 100, 400], y: [0, 0, 3, 3]}}\n"
+        "    until: {time: 12 s}\n",
+        speed_m_s=20.0,
+        plant=Plant,
+    )
+    track = []
+    drive.run(12.0, lambda now: track.append((now["position_x"], now["position_y"])))
+    x, y = np.array(track).T
+    assert np.abs(y[x < 40.0]).max() < 0.1
+    assert np.abs(y[(x > 150.0)] - 3.0).max() < 0.25
+    assert abs(y[-1] - 3.0) < 0.1
+    assert y.max() < 3.6

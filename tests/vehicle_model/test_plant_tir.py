@@ -17,6 +17,7 @@ from vehicle_model.tyres.coefficients import TYRE_SIZE, write_tyre
 from vehicle_model.tyres.kernel import PEAK_FORCE_X, PEAK_SLIP_X, PREPARED_SIZE, across, along, prepare
 from vehicle_model.tyres.tyre_file import TirTyre
 from vehicle_model.vehicle_file import VehicleFile, load_tyres, load_vehicle, parameter_table, set_parameter
+from vehicle_model.wheel_step import NEAR_X, NEAR_Y
 
 
 def vehicle_on(folder: Path, coefficients: str = COEFFICIENTS, **options: str) -> VehicleFile:
@@ -54,6 +55,24 @@ def test_the_plant_evaluates_the_same_formula(tmp_path: Path, weights: str, righ
         assert force_y == pytest.approx(expected.fy, rel=1e-9, abs=1e-6)
         assert moment == pytest.approx(expected.mz, rel=1e-9, abs=1e-6)
         assert math.isfinite(slope)
+
+
+def test_the_tangent_that_saves_evaluations_is_not_felt(tmp_path: Path) -> None:
+    write(tmp_path)
+    row, prepared = np.zeros(TYRE_SIZE), np.zeros(PREPARED_SIZE)
+    write_tyre(TirTyre(tir=str(tmp_path / "tyre.tir")), row, right=False)
+    surface = RoadTables(RoadFile()).surfaces[0]
+    random = np.random.default_rng(2)
+    for _ in range(300):
+        load = random.uniform(500.0, 8000.0)
+        prepare(row, surface, random.uniform(0.2, 1.0), load, 20.0, 0.02, prepared)
+        slip_x, slip_y = random.uniform(-1.0, 0.5), random.uniform(-0.3, 0.3)
+        if abs(slip_x) < NEAR_X:  # driving and braking have a slope each
+            continue
+        force, slope = along(row, prepared, slip_x, slip_y)
+        for sign_x, sign_y in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
+            moved = along(row, prepared, slip_x + sign_x * NEAR_X, slip_y + sign_y * NEAR_Y)[0]
+            assert abs(force + slope * sign_x * NEAR_X - moved) < 3e-5 * load
 
 
 def test_slope_and_peak_of_pure_slip(vehicle: VehicleFile) -> None:
@@ -102,14 +121,14 @@ def test_energy_balance_and_standstill(vehicle: VehicleFile) -> None:
 
 def test_a_locked_wheel_brakes_less_than_a_slipping_one(vehicle: VehicleFile) -> None:
     distances = []
-    for brake in (1e5, [1300.0, 1300.0, 700.0, 700.0]):
+    for brake in (1e5, [1250.0, 1250.0, 600.0, 600.0]):
         car = Plant(vehicle)
         car.reset(speed_m_s=25.0)
         while car.outputs[0] > 0.1:
             car.step(1, brake_torque=brake)
         distances.append(car.state()["distance"])
         assert len(distances) > 1 or car.state()["slip_ratio_fl"] == -1.0
-    assert distances[1] < 0.97 * distances[0]
+    assert distances[1] < 0.9 * distances[0]
 
 
 def test_left_and_right_mirror_each_other(tmp_path: Path) -> None:
@@ -174,5 +193,16 @@ def test_faults_of_tir_files_show_when_the_vehicle_is_read(tmp_path: Path) -> No
     assert "no such .tir file" in str(caught.value)
     vehicle_on(tmp_path)
     (tmp_path / "tyre.tir").write_text("[MODEL]\nFITTYP = 61\n")
-    with pytest.raises(InputError, match="PCX1"):
+    with pytest.raises(InputError, match=r"\[VERTICAL\]: section is missing"):
         load_vehicle(file.with_name("car.yaml"))
+
+
+@pytest.mark.parametrize("name", ["camber", "camber_gain"])
+def test_camber_leans_the_outer_wheel_against_the_bend(vehicle: VehicleFile, name: str) -> None:
+    """Top inwards is negative: the loaded outer tyre then pushes into the bend, and the car turns in more."""
+    plain, leaned = Plant(vehicle), Plant(vehicle)
+    leaned.set(f"suspension.front.{name}", -0.05 if name == "camber" else -2.0)
+    for car in (plain, leaned):
+        car.reset(speed_m_s=20.0)
+        car.step(3000, steer=0.4)
+    assert leaned.state()["true_yaw_rate"] > 1.01 * plain.state()["true_yaw_rate"]

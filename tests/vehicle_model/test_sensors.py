@@ -1,6 +1,7 @@
 """Inertial unit, pressure, pedal, steering and powertrain sensors."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,6 +65,8 @@ def test_ideal_sensors_show_the_truth() -> None:
         drive_torque_demand_rr=240.0,
         true_wheel_speed_rl=50.0,
         true_wheel_speed_rr=60.0,
+        true_road_wheel_angle_fl=0.051,
+        true_road_wheel_angle_fr=0.047,
     )
     expected = {
         "longitudinal_acceleration": -8.0,
@@ -77,6 +80,7 @@ def test_ideal_sensors_show_the_truth() -> None:
         "brake_switch": 1.0,
         "steering_wheel_angle": 0.8,
         "steering_command": 0.05,  # ratio 16
+        "road_wheel_angle": 0.049,
         "gear": 3.0,
         "engine_speed": 300.0,
         "engine_torque": 120.0,
@@ -87,6 +91,19 @@ def test_ideal_sensors_show_the_truth() -> None:
     }
     for name, value in expected.items():
         assert bench[name] == pytest.approx(value, abs=1e-9), name
+
+
+def test_the_gearbox_speed_follows_a_final_drive_that_changes_on_line() -> None:
+    bench = Bench(car())
+    bench.run(1, true_wheel_speed_rl=50.0, true_wheel_speed_rr=60.0)
+    assert bench["gearbox_speed"] == pytest.approx(3.2 * 55.0)
+    assert "driveline.final_drive" in bench.sensors.names()
+    bench.sensors.set("driveline.final_drive", 4.1)
+    assert bench.sensors.get("driveline.final_drive") == 4.1
+    bench.run(1, true_wheel_speed_rl=50.0, true_wheel_speed_rr=60.0)
+    assert bench["gearbox_speed"] == pytest.approx(4.1 * 55.0)
+    with pytest.raises(InputError, match="out of range"):
+        bench.sensors.set("driveline.final_drive", -1.0)
 
 
 def test_what_comes_from_the_ecu_is_left_alone() -> None:
@@ -242,7 +259,7 @@ def test_acceleration_source() -> None:
         "inertial__cut_off_frequency": 5.0,
     }
     seen = {}
-    for source in ("sensor", "noise_free", "ideal"):
+    for source in ("cluster_can", "noise_free", "ideal"):
         vehicle = car(**errors)
         vehicle.sensors.acceleration_source = source  # type: ignore[assignment]
         bench = Bench(vehicle, seed=1)
@@ -252,8 +269,22 @@ def test_acceleration_source() -> None:
     gravity = -GRAVITY * math.sin(0.01)
     assert seen["ideal"] == -6.0
     assert -1.0 < seen["noise_free"] < gravity  # it has just begun to follow
-    assert seen["sensor"] != pytest.approx(seen["noise_free"] + 0.5, abs=1e-6)
-    assert seen["sensor"] == pytest.approx(seen["noise_free"] + 0.5, abs=0.5)
+    assert seen["cluster_can"] != pytest.approx(seen["noise_free"] + 0.5, abs=1e-6)
+    assert seen["cluster_can"] == pytest.approx(seen["noise_free"] + 0.5, abs=0.5)
+
+
+@pytest.mark.acceptance("F-13")
+def test_noisy_source_adds_its_noise_to_the_cluster_s(record: Any) -> None:
+    """The two independent noises add as variances: sqrt(0.4^2 + 0.3^2) = 0.5 m/s^2."""
+    vehicle = car(longitudinal_acceleration__noise=0.4)
+    vehicle.sensors.acceleration_source = "noisy"
+    bench = Bench(vehicle, seed=1)
+    samples = []
+    for _ in range(4000):
+        bench.run(1)
+        samples.append(bench["longitudinal_acceleration"])
+    record("standard deviation of the noisy source, m/s^2", float(np.std(samples)), "0.5 +- 5 %")
+    assert np.std(samples) == pytest.approx(0.5, rel=0.05)
 
 
 def test_brake_switch_closes_at_its_force() -> None:

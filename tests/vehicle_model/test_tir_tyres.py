@@ -203,6 +203,11 @@ def test_limits_are_checked_with_a_clear_message(tmp_path: Path) -> None:
         (("FORCE = 'newton'", "FORCE = 'pound_force'"), "not an SI unit"),
         (("[VERTICAL]", "what is this"), "no line of a .tir file"),
         (("UNLOADED_RADIUS = 0.317", "UNLOADED_RADIUS = 317"), "0.02…3"),
+        (("NOMPRES = 2.2e5", "NOMPRES = 32"), "pressures are in Pa"),
+        (("ALPMAX = 0.5", "ALPMAX = 15"), "-1.6…1.6"),
+        (("FZMAX = 9000", "FZMAX = 100"), "more than FZMIN = 200"),
+        (("PKX3 = 0.2", "PKX3 = 0.2\nPCX1 = 1.2"), "given twice with different values, first in line 32"),
+        (("PDX2 = -0.1", "PDX2 = 1e9"), "absurd value"),
     ],
 )
 def test_faults_name_the_line(tmp_path: Path, change: tuple[str, str], message: str) -> None:
@@ -214,6 +219,28 @@ def test_faults_name_the_line(tmp_path: Path, change: tuple[str, str], message: 
         read_tir(file)
     assert message in str(caught.value)
     assert "tyre.tir" in str(caught.value)
+
+
+def test_a_missing_section_is_one_fault(tmp_path: Path) -> None:
+    head, _, rest = COEFFICIENTS.partition("[LATERAL_COEFFICIENTS]")
+    with pytest.raises(InputError) as caught:
+        read_tir(write(tmp_path, coefficients=head + rest[rest.index("[ALIGNING") :]))
+    message = str(caught.value)
+    assert "[LATERAL_COEFFICIENTS]: section is missing" in message
+    assert "PCY1, PDY1, PKY1, PKY2" in message
+    assert "PKX1" not in message
+
+
+def test_a_missing_coefficient_is_put_into_its_section(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        read_tir(write(tmp_path, coefficients=COEFFICIENTS.replace("PKY1 = -20.0", "PKYY1 = -20.0")))
+    assert "tyre.tir:41:1  PKY1: is missing in [LATERAL_COEFFICIENTS]" in str(caught.value)
+    assert "did you mean PKYY1?" in str(caught.value)
+
+
+def test_exceeded_limits_tell_the_line_of_the_file(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"tyre.tir: ALPMIN in line 29, ALPMAX in line 30"):
+        read_tir(write(tmp_path)).forces(0.0, 0.6, 0.0, 4000.0)
 
 
 def test_files_that_are_none(tmp_path: Path) -> None:

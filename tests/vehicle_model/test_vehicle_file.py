@@ -148,6 +148,15 @@ def test_a_tyre_file_beside_the_vehicle_is_found(tmp_path: Path) -> None:
         ("format: 1\nname: x\nextends: ekf_car\nbody: {mass: 12 m}\n", "car.yaml:4:14"),
         ("format: 1\nname: x\nextends: ekf_car\nbody: {mas: 12}\n", "car.yaml:4:8"),
         ("format: 2\nname: x\nextends: ekf_car\n", "format"),
+        ("format: 1\nname: x\nextends: ekf_car\nbody: {yaw_inertia: -5}\n", "allowed: 1…100000 kg m^2"),
+        ("format: 1\nname: x\nextends: ekf_car\nbody: {pitch_inertia: 100}\n", "body.pitch_inertia: not more than"),
+        ("format: 1\nname: x\nextends: ekf_car\nbody: {roll_inertia: 80}\n", "car.yaml:4:22"),
+        ("format: 1\nname: x\nextends: ekf_car\nbody: {mass: 140}\n", "allowed: more than 152 kg"),
+        ("format: 1\nname: x\nextends: ekf_car\nwheels: {fl: {inertia: -1}}\n", "allowed: 0.01…100 kg m^2"),
+        ("format: 1\nname: x\nextends: ekf_car\ndriveline: {gear_ratios: [3, -2]}\n", "car.yaml:4:30"),
+        ("format: 1\nname: x\nextends: ekf_car\ndriveline: {drive: fourth}\n", "allowed: front, rear, all"),
+        ("format: 1\nname: x\nextends: ekf_car\nsteering: {ratio: 0}\n", "allowed: 1…50"),
+        ("format: 1\nname: x\nextends: ekf_car\naerodynamics: {air_density: .nan}\n", "not a finite number"),
     ],
 )
 def test_faults_name_the_place(tmp_path: Path, text: str, message: str) -> None:

@@ -1,4 +1,5 @@
 import io
+import json
 import re
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -6,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import made_up_stop
+import numpy as np
 import pytest
 from terminal import Terminal
 from typer import Typer
@@ -13,7 +15,11 @@ from typer.testing import CliRunner
 
 from bench.commands.replay import replay as replay_command
 from bench.dashboard.replay import replay, replay_picture
+from bench.report.run_reading import load_run
 from signals.errors import InputError
+
+APP = Typer()
+APP.command()(replay_command)
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +41,17 @@ def test_it_begins_where_it_is_told(recorded: Path) -> None:
     stream = io.StringIO()
     replay(recorded, at_s=2.5, stream=stream)
     assert [line.split()[1] for line in stream.getvalue().splitlines()[1:]] == ["3.0", "4.0"]
+
+
+def test_one_instant_as_json_holds_every_recorded_signal(recorded: Path) -> None:
+    shown = CliRunner().invoke(APP, [str(recorded), "--at", "2.4005", "--json"])
+    at = json.loads(shown.stdout)
+    run = load_run(recorded)
+    assert run.signals is not None
+    assert set(at["signals"]) == set(run.signals.names)
+    row = int(np.flatnonzero(run.time <= 2.4005)[-1])
+    assert at["time_s"] == run.time[row]
+    assert at["signals"]["speed"] == {"value": run.array("speed")[row], "unit": "m/s"}
 
 
 @pytest.fixture
@@ -82,8 +99,6 @@ def test_picture_of_another_kind_is_refused(recorded: Path, tmp_path: Path) -> N
 
 
 def test_command(recorded: Path, tmp_path: Path) -> None:
-    app = Typer()
-    app.command()(replay_command)
-    result = CliRunner().invoke(app, [str(recorded), "--at", "2", "--picture", str(tmp_path / "a.svg")])
+    result = CliRunner().invoke(APP, [str(recorded), "--at", "2", "--picture", str(tmp_path / "a.svg")])
     assert result.exit_code == 0
     assert (tmp_path / "a.svg").exists()

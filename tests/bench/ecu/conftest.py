@@ -177,7 +177,7 @@ class Stop:
         state, out = np.zeros(12), np.zeros(8)
         state[0], state[4:8] = self.start_speed, self.start_speed / RADIUS
         count, stamp = np.zeros(4, np.int64), np.zeros(4)
-        values, command, hydraulics = np.zeros(len(BUS)), np.zeros(len(BUS)), np.zeros(14)
+        values, command, hydraulics = np.zeros(len(BUS)), np.zeros(len(BUS)), np.zeros(18)
         ages = fresh_health()
         valves = np.zeros(9)
         curve = np.array(SURFACES[self.surface])

@@ -63,6 +63,24 @@ def test_a_relative_ramp_starts_from_the_value_before() -> None:
     assert owner.history[10] == pytest.approx(0.5)
 
 
+def test_constant_stimulus_sets_its_parameter_once() -> None:
+    """Filling a part's tables anew takes a good part of a tick, so nothing is set that is set already."""
+    vector, owner = SignalVector(), Owner()
+    stimulus = Stimulus("p", "p", at(vector, 0.0), lambda b: waveforms.step(0.2), 0.050)
+    run(Stimuli(vector, sensed(), [stimulus], {"p": (owner.get, owner.set)}), vector, 100)
+    assert owner.history == [0.2, 0.4]
+
+
+def test_of_two_stimuli_on_one_parameter_the_later_wins_and_the_earlier_goes_on() -> None:
+    vector, owner = SignalVector(), Owner()
+    first = Stimulus("a", "p", at(vector, 0.0), lambda b: waveforms.step(0.2))
+    second = Stimulus("b", "p", at(vector, 0.010), lambda b: waveforms.step(0.3), 0.005)
+    stimuli = Stimuli(vector, sensed(), [first, second], {"p": (owner.get, owner.set)})
+    values: list[float] = []
+    run(stimuli, vector, 20, lambda n: values.append(owner.value))
+    assert values == [0.2] * 10 + [0.3] * 5 + [0.2] * 5
+
+
 def test_each_signal_is_overridden_at_the_stage_of_its_block() -> None:
     vector, on_the_bus = SignalVector(), sensed()
     targets = ("driver_pedal_force", "true_brake_pressure_fl", "wheel_speed_fl", "valve_inlet_fl")

@@ -1,9 +1,16 @@
-"""Fed with only the recorded bench→ECU frames of a run, a lone ECU in lock-step gives the same valve frames again."""
+"""The ECU without a run around it.
 
+Fed with only the recorded bench→ECU frames of a run, a lone ECU in lock-step gives the same valve frames again; as a
+command it tells what it did when Ctrl-C ends it.
+"""
+
+import json
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -75,3 +82,19 @@ def test_the_process_from_the_file_of_frames(recorded: Path, tmp_path: Path) -> 
     again = valve_payloads(np.concatenate(answers))
     assert len(then) > 300
     assert again[: len(then)] == then
+
+
+def test_the_command_tells_its_counts_at_the_end(bench_command: Callable[..., Any]) -> None:
+    with open_link("udp_loopback", role="bench") as link:
+        process = bench_command("ecu", "--link", link.text, "--json")
+        frames, deadline = new_frames(256), time.monotonic() + START_S
+        while not (heard := link.receive(frames)) and time.monotonic() < deadline:
+            link.wait(0.05)
+        process.interrupt()
+        code, out, errors = process.end()
+        heard += link.receive(frames)
+    told = json.loads(out)
+    assert (code, errors) == (130, "")
+    assert told["link"] == link.text
+    assert told["bus"]["sent"] == heard > 0
+    assert told["ecu"]["fault_codes"] == []

@@ -107,6 +107,8 @@ def test_never_answers_as_a_user_sees_it(bench_command: Callable[..., Any], tmp_
     code, out, errors = bench_command("run", STANDING, *external, "--out", "run").end()
     assert code == 4
     assert "sent no frame within 0.3 s" in out
+    assert "mfdd" not in out, "a criterion that nothing was measured for hides the error"
+    assert "sent no frame within 0.3 s" in (tmp_path / "run" / "log.txt").read_text()
     assert "Traceback" not in out + errors
     assert json.loads((tmp_path / "run" / "verdict.json").read_text())["verdict"] == "error"
     assert {path.name for path in (tmp_path / "run").iterdir()} == set(FINISHED_FILES)
