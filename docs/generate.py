@@ -1,6 +1,6 @@
 """Write the pages and schemas that are made from the sources: ``python docs/generate.py``.
 
-docs/scenario_reference.md and docs/errors.md, scenarios/schemas/ and vehicle_model/schemas/.
+docs/scenario_reference.md and docs/errors.md, and the schemas of the kinds of files.
 """
 
 import json
@@ -11,18 +11,27 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 SCHEMA_PLACES = {
-    "scenarios/schemas": ("scenario", "procedure", "criteria", "mapping"),
+    "scenarios/schemas": ("scenario", "procedure", "campaign", "criteria", "mapping"),
     "vehicle_model/schemas": ("vehicle", "tyre", "road", "surfaces"),
     "bench/ecu/schemas": ("calibration",),
+    "can_fault_injector/schemas": ("faults",),
 }
 
 
 def pages() -> dict[Path, str]:
     """Content of every generated file by its path."""
+    from bench.scenario.fault_catalogue import faults_page
     from bench.scenario.file_kinds import schema_of
     from bench.scenario.reference import scenario_reference
 
-    content = {ROOT / "docs/scenario_reference.md": scenario_reference(), ROOT / "docs/errors.md": errors_page()}
+    content = {
+        ROOT / "docs/scenario_reference.md": scenario_reference(),
+        ROOT / "docs/errors.md": errors_page(),
+        ROOT / "docs/faults.md": faults_page(),
+    }
+    from docs.generate_parameters import parameters_page
+
+    content[ROOT / "docs/parameters.md"] = parameters_page()
     for folder, kinds in SCHEMA_PLACES.items():
         for kind in kinds:
             text = json.dumps(schema_of(kind), indent=2, ensure_ascii=False)
