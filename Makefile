@@ -1,10 +1,11 @@
 # make demo: set up and run the main job · make test: set up and run the tests · make lint: the linters CI runs
+# make nightly: ten minutes of flipped CAN bits
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test vcan lint benchmark clean
+.PHONY: demo test vcan lint benchmark nightly clean
 
 $(STAMP): pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -29,6 +30,9 @@ lint: $(STAMP)
 
 benchmark: $(STAMP)
 	$(BIN)/python -m benchmarks.smoke
+
+nightly: $(STAMP)
+	$(BIN)/python -m benchmarks.can_escapes
 
 clean:
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache

@@ -10,11 +10,13 @@ _EXPORTS = {
     "Bus": "can_fault_injector.bus",
     "Disturbance": "can_fault_injector.disturbance",
     "Frame": "can_fault_injector.frame",
-    "Node": "can_fault_injector.bus",
+    "Node": "can_fault_injector.bus_records",
     "ProtocolError": "can_fault_injector.frame",
+    "TimedBus": "can_fault_injector.timed_bus",
+    "TimedNode": "can_fault_injector.timed_bus",
 }
 
-__all__ = ["Bus", "Disturbance", "Frame", "Node", "ProtocolError"]
+__all__ = ["Bus", "Disturbance", "Frame", "Node", "ProtocolError", "TimedBus", "TimedNode"]
 
 
 def __getattr__(name: str) -> Any:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from can_fault_injector import fields as f
 
 Bits = NDArray[np.uint8]
+Numbers = NDArray[np.int16]
 
 CRC15_POLYNOMIAL = 0x4599
 CRC17_POLYNOMIAL = 0x1685B
@@ -49,12 +50,17 @@ def stuff_count_bits(count: int) -> int:
 
 
 @njit(cache=True)
-def _put(field: int, value: int, width: int, bits: Bits, codes: Bits, numbers: NDArray[np.int16], at: int) -> int:
+def _put_bit(field: int, number: int, level: int, bits: Bits, codes: Bits, numbers: Numbers, at: int) -> int:
+    """Write bit ``number`` of a field at a position; returns the next position."""
+    bits[at], codes[at], numbers[at] = level, field, number
+    return at + 1
+
+
+@njit(cache=True)
+def _put(field: int, value: int, width: int, bits: Bits, codes: Bits, numbers: Numbers, at: int, first: int = 0) -> int:
+    """Write the bits of a value, most significant first, as bits ``first`` and up of a field."""
     for i in range(width):
-        bits[at] = (value >> (width - 1 - i)) & 1
-        codes[at] = field
-        numbers[at] = i
-        at += 1
+        at = _put_bit(field, first + i, (value >> (width - 1 - i)) & 1, bits, codes, numbers, at)
     return at
 
 
@@ -71,7 +77,7 @@ def header_and_data(
     length: int,
     bits: Bits,
     codes: Bits,
-    numbers: NDArray[np.int16],
+    numbers: Numbers,
 ) -> int:
     """Unstuffed bits from SOF to the end of the data field; returns their number."""
     at = _put(f.SOF, 0, 1, bits, codes, numbers, 0)
@@ -96,11 +102,7 @@ def header_and_data(
         at = _put(f.R0, 0, 1, bits, codes, numbers, at)
     at = _put(f.DLC, dlc, 4, bits, codes, numbers, at)
     for i in range(length):
-        for j in range(8):
-            bits[at] = (data[i] >> (7 - j)) & 1
-            codes[at] = f.DATA
-            numbers[at] = 8 * i + j
-            at += 1
+        at = _put(f.DATA, data[i], 8, bits, codes, numbers, at, 8 * i)
     return at
 
 
@@ -114,25 +116,18 @@ def _append_crc(
     count: int,
     bits: Bits,
     codes: Bits,
-    numbers: NDArray[np.int16],
+    numbers: Numbers,
     at: int,
 ) -> int:
     """CRC sequence of CAN FD: stuff count (ISO only) and CRC with a fixed stuff bit before every fourth bit."""
     total = width + (4 if iso else 0)
     sequence = (stuff_count_bits(count) << width) | crc if iso else crc
-    fixed = 0
     for i in range(total):
         if stuffed and i % 4 == 0:
-            bits[at] = 1 - bits[at - 1]
-            codes[at] = f.FIXED_STUFF
-            numbers[at] = fixed
-            fixed += 1
-            at += 1
-        bits[at] = (sequence >> (total - 1 - i)) & 1
+            at = _put_bit(f.FIXED_STUFF, i // 4, 1 - bits[at - 1], bits, codes, numbers, at)
         in_count = iso and i < 4
-        codes[at] = f.STUFF_COUNT if in_count else f.CRC
-        numbers[at] = i if in_count else i - (4 if iso else 0)
-        at += 1
+        field, number = (f.STUFF_COUNT, i) if in_count else (f.CRC, i - (total - width))
+        at = _put_bit(field, number, (sequence >> (total - 1 - i)) & 1, bits, codes, numbers, at)
     return at
 
 
@@ -151,7 +146,7 @@ def encode(
     stuffed: bool,
     bits: Bits,
     codes: Bits,
-    numbers: NDArray[np.int16],
+    numbers: Numbers,
 ) -> int:
     """Bits of a frame from SOF to the last bit of EOF, as the sender drives them; returns their number.
 
@@ -191,8 +186,7 @@ def encode(
     at, run, last, stuff_bits = 0, 0, 2, 0
     for i in range(n):
         bit = plain[i]
-        bits[at], codes[at], numbers[at] = bit, plain_codes[i], plain_numbers[i]
-        at += 1
+        at = _put_bit(plain_codes[i], plain_numbers[i], bit, bits, codes, numbers, at)
         run = run + 1 if bit == last else 1
         last = bit
         if fd:
@@ -204,8 +198,7 @@ def encode(
             if fd:
                 crc = crc_update(crc, last, width, polynomial)
             if stuffed:
-                bits[at], codes[at], numbers[at] = last, f.STUFF, stuff_bits
-                at += 1
+                at = _put_bit(f.STUFF, stuff_bits, last, bits, codes, numbers, at)
             stuff_bits += 1
     if fd:
         if iso:

@@ -1,77 +1,21 @@
 """A CAN bus at bit level: protocol nodes, disturbances on each node's lines, counters after every bit."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from can_fault_injector import bus_kernel as kernel
 from can_fault_injector import node_state as ns
+from can_fault_injector.bus_records import Event, Node, Received, Trace
 from can_fault_injector.disturbance import Disturbance
 from can_fault_injector.frame import Frame
 from can_fault_injector.frame_table import FrameTable
-from can_fault_injector.node import BUS_OFF_LIMIT, PASSIVE_LIMIT
+from can_fault_injector.node import BUS_OFF_LIMIT, PASSIVE_LIMIT, WARNING_LIMIT
 
 QUEUE_SIZE = 1024
 _EVENT_ROWS, _RECEIVED_ROWS = 4096, 1024
 _NS_PER_S = 1e9
-WARNING_LIMIT = 96
-
-
-@dataclass(frozen=True)
-class Node:
-    """Settings of a protocol node.
-
-    Parameters
-    ----------
-    name : str
-        Unique on the bus.
-    fd : str
-        "enabled", "tolerant" (waits without an error flag while others use CAN FD) or "classic" (reads FDF as r0).
-    iso : bool
-        CAN FD of ISO 11898-1:2015, else the older variant.
-    silent : bool
-        Listen only: neither acknowledges nor sends flags.
-    recovers : bool
-        Returns from bus-off by itself after 128 times 11 recessive bits.
-    single_shot : bool
-        Gives a frame up after an error instead of repeating it.
-    transmit_errors, receive_errors : int
-        Counters at the beginning.
-    integrating : bool
-        Waits for 11 recessive bits before it takes part, as after power-on; else idle at once.
-    """
-
-    name: str
-    fd: Literal["enabled", "tolerant", "classic"] = "enabled"
-    iso: bool = True
-    silent: bool = False
-    recovers: bool = True
-    single_shot: bool = False
-    transmit_errors: int = 0
-    receive_errors: int = 0
-    integrating: bool = False
-
-
-class Event(NamedTuple):
-    """What happened to a node at a bit, with its counters after that bit; ``error`` names the kind of an error."""
-
-    bit: int
-    node: str
-    kind: str
-    error: str
-    transmit_errors: int
-    receive_errors: int
-
-
-class Received(NamedTuple):
-    """A frame that a node accepted at a bit (the last but one of EOF)."""
-
-    bit: int
-    node: str
-    frame: Frame
 
 
 class NodeView:
@@ -137,24 +81,6 @@ class NodeView:
         return [event.error for event in self._bus.events if event.node == name and event.kind == "error"]
 
 
-class Trace:
-    """Levels and counters of every bit of the runs of a bus.
-
-    Attributes
-    ----------
-    bus : uint8 array (bits)
-    driven, seen : uint8 arrays (bits, nodes)
-        What each node put on its transmit line and found on its receive line, disturbances included.
-    transmit_errors, receive_errors, phase : int16 arrays (bits, nodes)
-        State after the bit; ``phase`` by the codes of ``node_state``.
-    """
-
-    def __init__(self, levels: NDArray[np.uint8], trace: NDArray[np.int16]) -> None:
-        self.bus = levels[:, 0]
-        self.driven, self.seen = levels[:, 1::2], levels[:, 2::2]
-        self.transmit_errors, self.receive_errors, self.phase = trace[:, 0::3], trace[:, 1::3], trace[:, 2::3]
-
-
 class Bus:
     """Protocol nodes on one pair of wires, simulated bit by bit.
 
@@ -169,8 +95,9 @@ class Bus:
 
     Notes
     -----
-    The unit of time is one bit: all nodes sample the same bit at the same instant. A rate switch changes the duration
-    of the bits between BRS and the CRC delimiter, nothing else.
+    The unit of time is one bit: the bits of all nodes begin at the same instant, each samples at its own point of the
+    bit. `timed_bus.TimedBus` has delays and resynchronisation. A rate switch changes the duration of the bits between
+    BRS and the CRC delimiter, nothing else.
     """
 
     def __init__(
@@ -204,6 +131,7 @@ class Bus:
         self._events = np.zeros((_EVENT_ROWS, kernel.EVENT_COLUMNS), np.int64)
         self._received = np.zeros((_RECEIVED_ROWS, kernel.RECEIVED_COLUMNS), np.int64)
         self._payloads = np.zeros((_RECEIVED_ROWS, 64), np.uint8)
+        self._wiring = np.zeros((0, len(settings)), np.uint8)
         self._keep = trace
         self._levels: list[NDArray[np.uint8]] = []
         self._traces: list[NDArray[np.int16]] = []
@@ -213,6 +141,7 @@ class Bus:
         row[ns.FD_MODE] = ns.FD_MODES.index(node.fd)
         row[ns.ISO], row[ns.SILENT], row[ns.RECOVERS] = node.iso, node.silent, node.recovers
         row[ns.SINGLE_SHOT] = node.single_shot
+        row[ns.SAMPLE_POINT] = round(node.sample_point * kernel.WHOLE_BIT)
         row[ns.TRANSMIT_ERRORS], row[ns.RECEIVE_ERRORS] = node.transmit_errors, node.receive_errors
         row[ns.PHASE] = ns.INTEGRATING if node.integrating else ns.IDLE
         if node.transmit_errors >= BUS_OFF_LIMIT:
@@ -255,12 +184,71 @@ class Bus:
         self._driven = np.array(list(levels), np.uint8)
         self._driven_start = self.bit if start is None else start
 
+    def connect(self, wiring: NDArray[np.uint8] | None) -> None:
+        """Change the wires between the nodes, while the bus runs or before.
+
+        Parameters
+        ----------
+        wiring : uint8 array (2 ** nodes, nodes), optional
+            Level that each node sees, by the set of nodes that drive dominant (bit i of the row: node i); see
+            `wire_faults`. None is a sound bus: dominant if anybody drives dominant.
+
+        Raises
+        ------
+        ValueError
+            If the shape does not fit the nodes.
+        """
+        count = len(self.names)
+        if wiring is not None and wiring.shape != (2**count, count):
+            raise ValueError(f"wiring: found shape {wiring.shape}, allowed: {(2**count, count)}")
+        self._wiring = np.zeros((0, count), np.uint8) if wiring is None else np.ascontiguousarray(wiring, np.uint8)
+
     def reset(self, node: str) -> None:
         """Restart a node: counters zero, integrating, waiting frames dropped."""
         state = self._states[self.index(node)]
         state[ns.TRANSMIT_ERRORS], state[ns.RECEIVE_ERRORS], state[ns.TRANSMITTER] = 0, 0, 0
         state[ns.PHASE], state[ns.COUNT] = ns.INTEGRATING, 0
         state[ns.QUEUE_HEAD] = state[ns.QUEUE_TAIL]
+
+    def withdraw(self, number: int) -> None:
+        """End a disturbance that :meth:`disturb` armed, now and for good."""
+        self._disturbances[number, kernel.D_REPEAT] = self._disturbances[number, kernel.D_REMAINING] = 0
+
+    def configure(
+        self, node: str, *, silent: bool | None = None, recovers: bool | None = None, single_shot: bool | None = None
+    ) -> None:
+        """Change settings of a node while the bus runs; what is None stays."""
+        state = self._states[self.index(node)]
+        for column, value in ((ns.SILENT, silent), (ns.RECOVERS, recovers), (ns.SINGLE_SHOT, single_shot)):
+            if value is not None:
+                state[column] = value
+
+    def set_transmit_errors(self, node: str, count: int) -> None:
+        """Set a node's transmit error counter; at 256 and above it is bus-off."""
+        state = self._states[self.index(node)]
+        state[ns.TRANSMIT_ERRORS] = count
+        if count >= BUS_OFF_LIMIT and state[ns.PHASE] != ns.BUS_OFF:
+            state[ns.PHASE], state[ns.COUNT], state[ns.IDLE_SEQUENCES] = ns.BUS_OFF, 0, 0
+
+    def drop_waiting(self, node: str) -> None:
+        """What a bus-off node wanted to send is lost."""
+        state = self._states[self.index(node)]
+        if state[ns.PHASE] == ns.BUS_OFF:
+            state[ns.QUEUE_HEAD] = state[ns.QUEUE_TAIL]
+
+    @property
+    def idle(self) -> bool:
+        """True if every node is idle and nothing waits."""
+        return self._idle()
+
+    def forget(self) -> None:
+        """Drop what has piled up: events, received frames, disturbances, and the table of frames if nothing waits."""
+        self.events.clear()
+        self.received.clear()
+        self._disturbances = self._disturbances[:0]
+        if (self._states[:, ns.QUEUE_TAIL] == self._states[:, ns.QUEUE_HEAD]).all():
+            self._table = FrameTable()
+            self._states[:, ns.ROW] = 0
 
     @property
     def bit(self) -> int:
@@ -310,6 +298,7 @@ class Bus:
             self._table.extended,
             self._table.identifiers,
             self._disturbances,
+            self._wiring,
             self._driven,
             self._driven_start,
             self._bit_times_ns,
@@ -329,12 +318,27 @@ class Bus:
 
     def _drain(self) -> None:
         """Take over what the compiled loop logged."""
-        for bit, node, kind, error, transmit, receive in self._events[: self._counters[kernel.C_EVENTS]].tolist():
-            name = ns.ERROR_KINDS[error] if error else ""
-            self.events.append(Event(bit, self.names[node], ns.EVENT_NAMES[kind], name, transmit, receive))
+        for row in self._events[: self._counters[kernel.C_EVENTS]].tolist():
+            self.events.append(self._event(row))
         for i in range(int(self._counters[kernel.C_RECEIVED])):
             self.received.append(self._received_frame(self._received[i].tolist(), self._payloads[i]))
         self._counters[kernel.C_EVENTS] = self._counters[kernel.C_RECEIVED] = 0
+
+    def _event(self, row: list[int]) -> Event:
+        error = row[kernel.E_ERROR]
+        return Event(
+            row[kernel.E_BIT],
+            self.names[row[kernel.E_NODE]],
+            ns.EVENT_NAMES[row[kernel.E_EVENT]],
+            ns.ERROR_KINDS[error] if error else "",
+            row[kernel.E_TRANSMIT_ERRORS],
+            row[kernel.E_RECEIVE_ERRORS],
+            row[kernel.E_LEVEL],
+            bool(row[kernel.E_TRANSMITTER]),
+            f"{ns.PLACE_NAMES[row[kernel.E_PLACE]]}.{row[kernel.E_NUMBER]}",
+            f"{ns.PLACE_NAMES[row[kernel.E_FIELD]]}.{row[kernel.E_INDEX]}",
+            bool(row[kernel.E_EXTENDED]),
+        )
 
     def _received_frame(self, row: list[int], payload: NDArray[np.uint8]) -> Received:
         bit, node, identifier, extended, remote, fd, rate, error_state, code, length, iso = row

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from can_fault_injector import fields as f
 from can_fault_injector import node_state as ns
-from can_fault_injector.node import Rows, Table, drive, is_passive, sample
+from can_fault_injector.node import Rows, Table, drive, is_passive, is_warned, sample
 from can_fault_injector.receiver import Payload, State
 
 TAP_BUS, TAP_TRANSMIT, TAP_RECEIVE = range(3)
@@ -31,14 +31,35 @@ AT_BIT, AT_PLACE = range(2)
     D_SKIP,
     D_REPEAT,
     D_LENGTH,
+    D_BEGIN,
+    D_END,
     D_REMAINING,
     D_HITS,
-) = range(15)
-DISTURBANCE_COLUMNS = 15
-"""Columns of a disturbance; the last two are its state: bits that it still lasts, and how often it began."""
+) = range(17)
+DISTURBANCE_COLUMNS = 17
+"""Columns of a disturbance. ``D_BEGIN`` and ``D_END`` bound a pulse shorter than a bit in thousandths of the bit, and
+are 0 for whole bits. The last two are its state: bits that it still lasts, and how often it began."""
+WHOLE_BIT = 1000
 
-EVENT_COLUMNS = 6
-"""Bit, node, event, error kind, transmit and receive error counter."""
+(
+    E_BIT,
+    E_NODE,
+    E_EVENT,
+    E_ERROR,
+    E_TRANSMIT_ERRORS,
+    E_RECEIVE_ERRORS,
+    E_LEVEL,
+    E_TRANSMITTER,
+    E_EXTENDED,
+    E_PLACE,
+    E_NUMBER,
+    E_FIELD,
+    E_INDEX,
+) = range(13)
+EVENT_COLUMNS = 13
+"""Columns of an event. From ``E_LEVEL`` on the bit itself: level seen, and as they were before it the node's role,
+extended format so far, place as a disturbance names it, and the place of the next information bit: that differs from
+the former at a stuff bit."""
 RECEIVED_COLUMNS = 11
 """Bit, node, identifier, extended, remote, FD, BRS, ESI, length code, length, ISO."""
 
@@ -68,9 +89,7 @@ def place_of(s: State, codes: Table, numbers: NDArray[np.int16]) -> tuple[int, i
 
 
 @njit(cache=True)
-def _matches(
-    d: Rows, s: State, reference: int, codes: Table, numbers: NDArray[np.int16], row_identifiers: Rows
-) -> bool:
+def matches(d: Rows, s: State, reference: int, codes: Table, numbers: NDArray[np.int16], row_identifiers: Rows) -> bool:
     """Whether the place of a disturbance is the coming bit of this node."""
     if d[D_REFERENCE] >= 0 and d[D_REFERENCE] != reference:
         return False
@@ -98,7 +117,7 @@ def _update_disturbances(
         begins = d[D_TRIGGER] == AT_BIT and bit == d[D_START]
         if d[D_TRIGGER] == AT_PLACE and bit >= d[D_START]:
             for j in range(states.shape[0]):
-                if _matches(d, states[j], j, codes, numbers, row_identifiers):
+                if matches(d, states[j], j, codes, numbers, row_identifiers):
                     begins = True
         if not begins:
             continue
@@ -112,13 +131,39 @@ def _update_disturbances(
 
 
 @njit(cache=True)
-def _apply(disturbances: Rows, tap: int, node: int, level: int) -> int:
+def _apply(disturbances: Rows, tap: int, node: int, level: int, instant: int) -> int:
+    """Level of a line at an instant of the bit, thousandths."""
     for i in range(disturbances.shape[0]):
         d = disturbances[i]
         if d[D_REMAINING] and d[D_TAP] == tap and (d[D_NODE] < 0 or d[D_NODE] == node):
+            if d[D_END] and not d[D_BEGIN] <= instant < d[D_END]:
+                continue
             flipped = 1 - level
             level = flipped if d[D_ACTION] == FLIP else (0 if d[D_ACTION] == DOMINANT else 1)
     return level
+
+
+@njit(cache=True)
+def _pulses(disturbances: Rows) -> bool:
+    """Whether a pulse shorter than a bit is on the bus now, so that nodes may see different levels."""
+    for i in range(disturbances.shape[0]):
+        if disturbances[i, D_REMAINING] and disturbances[i, D_END] and disturbances[i, D_TAP] != TAP_RECEIVE:
+            return True
+    return False
+
+
+@njit(cache=True)
+def _bus_level(disturbances: Rows, driven: Rows, tester: int, instant: int, wiring: Table, node: int) -> int:
+    """Level of the bus at a node and an instant of the bit: wired AND, or what the wires let through."""
+    bus, dominant = tester, 0
+    for j in range(driven.size):
+        level = _apply(disturbances, TAP_TRANSMIT, j, driven[j], instant)
+        dominant |= (1 - level) << j
+    if wiring.shape[0]:
+        bus &= wiring[dominant, node]
+    elif dominant:
+        bus = 0
+    return int(_apply(disturbances, TAP_BUS, -1, bus, instant))
 
 
 @njit(cache=True)
@@ -132,10 +177,23 @@ def _at_data_rate(states: Rows) -> bool:
 
 
 @njit(cache=True)
-def _log(events: Rows, counters: Rows, node: int, event: int, kind: int, s: State) -> None:
+def _prepare_log(events: Rows, counters: Rows, node: int, level: int, s: State, place: int, number: int) -> None:
+    """Write what an event of this bit needs to know of the time before it into the next free row."""
     row = events[counters[C_EVENTS]]
-    row[0], row[1], row[2], row[3] = counters[C_BITS], node, event, kind
-    row[4], row[5] = s[ns.TRANSMIT_ERRORS], s[ns.RECEIVE_ERRORS]
+    row[E_BIT], row[E_NODE], row[E_LEVEL] = counters[C_BITS], node, level
+    row[E_TRANSMITTER], row[E_EXTENDED] = s[ns.TRANSMITTER], s[ns.EXTENDED]
+    row[E_PLACE], row[E_NUMBER] = place, number
+    in_frame = s[ns.PHASE] == ns.FRAME
+    row[E_FIELD], row[E_INDEX] = (s[ns.FIELD], s[ns.INDEX]) if in_frame else (place, number)
+
+
+@njit(cache=True)
+def _log(events: Rows, counters: Rows, event: int, kind: int, s: State) -> None:
+    """Complete the prepared row; the next one begins as its copy, for further events of the same bit."""
+    at = counters[C_EVENTS]
+    events[at, E_EVENT], events[at, E_ERROR] = event, kind
+    events[at, E_TRANSMIT_ERRORS], events[at, E_RECEIVE_ERRORS] = s[ns.TRANSMIT_ERRORS], s[ns.RECEIVE_ERRORS]
+    events[at + 1] = events[at]
     counters[C_EVENTS] += 1
 
 
@@ -151,7 +209,7 @@ def _store(received: Rows, payloads: Payload, counters: Rows, node: int, s: Stat
 
 
 @njit(cache=True)
-def _sample_node(
+def sample_node(
     node: int,
     level: int,
     states: Rows,
@@ -160,6 +218,7 @@ def _sample_node(
     passive_row: Rows,
     bits: Table,
     codes: Table,
+    numbers: NDArray[np.int16],
     extended: Rows,
     events: Rows,
     received: Rows,
@@ -169,17 +228,23 @@ def _sample_node(
     """Sample one node and log what happened to it."""
     s = states[node]
     # the state may change by this bit only, so the old one is told from the new by what was true before
-    passive, off = is_passive(s), s[ns.PHASE] == ns.BUS_OFF
+    passive, warned, off = is_passive(s), is_warned(s), s[ns.PHASE] == ns.BUS_OFF
+    place, number = place_of(s, codes, numbers)
+    _prepare_log(events, counters, node, level, s, place, number)
     sample(s, data[node], queues[node], passive_row, bits, codes, extended, level)
     event = s[ns.EVENT]
     if event != ns.NO_EVENT:
-        _log(events, counters, node, event, s[ns.ERROR_KIND] if event == ns.ERROR else 0, s)
+        _log(events, counters, event, s[ns.ERROR_KIND] if event == ns.ERROR else 0, s)
     if event == ns.RECEIVED:
         _store(received, payloads, counters, node, s, data[node])
-    if s[ns.PHASE] == ns.BUS_OFF and not off:
-        _log(events, counters, node, ns.WENT_BUS_OFF, 0, s)
-    elif is_passive(s) != passive and not off:
-        _log(events, counters, node, ns.WENT_ACTIVE if passive else ns.WENT_PASSIVE, 0, s)
+    if s[ns.PHASE] == ns.BUS_OFF or off:
+        if not off:
+            _log(events, counters, ns.WENT_BUS_OFF, 0, s)
+        return
+    if is_warned(s) != warned:
+        _log(events, counters, ns.WARNING_OVER if warned else ns.WENT_WARNING, 0, s)
+    if is_passive(s) != passive:
+        _log(events, counters, ns.WENT_ACTIVE if passive else ns.WENT_PASSIVE, 0, s)
 
 
 @njit(cache=True)
@@ -195,6 +260,7 @@ def run_bits(
     extended: Rows,
     row_identifiers: Rows,
     disturbances: Rows,
+    wiring: Table,
     driven: Table,
     driven_start: int,
     bit_times_ns: Rows,
@@ -211,6 +277,8 @@ def run_bits(
     Parameters
     ----------
     disturbances : int64 array (n, DISTURBANCE_COLUMNS)
+    wiring : uint8 array (2 ** nodes, nodes)
+        Level at each node by the set of nodes that drive dominant; no rows: a sound bus.
     driven, driven_start
         Levels that a tester puts on the bus from a bit on, without being a node.
     bit_times_ns : int64 array of 2
@@ -226,24 +294,24 @@ def run_bits(
     sent = np.empty(nodes, np.int64)
     keep = levels.shape[0] > 0
     for step in range(count):
-        if counters[C_EVENTS] + 3 * nodes > events.shape[0] or counters[C_RECEIVED] + nodes > received.shape[0]:
+        if counters[C_EVENTS] + 3 * nodes >= events.shape[0] or counters[C_RECEIVED] + nodes > received.shape[0]:
             return step
         now = counters[C_BITS]
         for j in range(nodes):
             sent[j] = drive(states[j], queues[j], passive_row, bits)
         _update_disturbances(disturbances, states, codes, numbers, row_identifiers, now)
-        bus = 1
+        tester = 1
         if now >= driven_start and now < driven_start + driven.size:
-            bus = driven[now - driven_start]
-        for j in range(nodes):
-            sent[j] = _apply(disturbances, TAP_TRANSMIT, j, sent[j])
-            bus &= sent[j]
-        bus = _apply(disturbances, TAP_BUS, -1, bus)
+            tester = driven[now - driven_start]
+        bus = _bus_level(disturbances, sent, tester, states[0, ns.SAMPLE_POINT], wiring, 0)
+        differ = wiring.shape[0] > 0 or _pulses(disturbances)
         counters[C_TIME_NS] += bit_times_ns[1] if _at_data_rate(states) else bit_times_ns[0]
         idle = True
         for j in range(nodes):
-            level = _apply(disturbances, TAP_RECEIVE, j, bus)
-            _sample_node(
+            instant = states[j, ns.SAMPLE_POINT]
+            level = _bus_level(disturbances, sent, tester, instant, wiring, j) if differ else bus
+            level = _apply(disturbances, TAP_RECEIVE, j, level, instant)
+            sample_node(
                 j,
                 level,
                 states,
@@ -252,6 +320,7 @@ def run_bits(
                 passive_row,
                 bits,
                 codes,
+                numbers,
                 extended,
                 events,
                 received,
@@ -261,7 +330,8 @@ def run_bits(
             s = states[j]
             idle = idle and s[ns.PHASE] == ns.IDLE and s[ns.QUEUE_HEAD] == s[ns.QUEUE_TAIL]
             if keep:
-                levels[step, 1 + 2 * j], levels[step, 2 + 2 * j] = sent[j], level
+                levels[step, 1 + 2 * j] = _apply(disturbances, TAP_TRANSMIT, j, sent[j], instant)
+                levels[step, 2 + 2 * j] = level
                 trace[step, 3 * j], trace[step, 3 * j + 1] = s[ns.TRANSMIT_ERRORS], s[ns.RECEIVE_ERRORS]
                 trace[step, 3 * j + 2] = s[ns.PHASE]
         if keep:

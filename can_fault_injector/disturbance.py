@@ -13,6 +13,7 @@ from can_fault_injector import node_state as ns
 TAPS = ("bus", "transmit", "receive")
 ACTIONS = ("flip", "dominant", "recessive")
 ENDLESS = -1
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,9 @@ class Disturbance:
         Matches to let pass before the first one, and matches to disturb (-1: all).
     length : int [bit]
         Duration.
+    begin, width : float [bit]
+        A pulse within each of these bits, from ``begin`` on: only nodes whose sample point lies in it see it. Width 1
+        (the whole bit) by default.
     from_time_s : float [s]
         Counted from the call of ``Bus.disturb``; a place is looked for from then on.
 
@@ -59,6 +63,8 @@ class Disturbance:
     repeat: int = 1
     length: int = 1
     from_time_s: float = 0.0
+    begin: float = 0.0
+    width: float = 1.0
 
     def __post_init__(self) -> None:
         if self.action not in ACTIONS:
@@ -69,6 +75,10 @@ class Disturbance:
             raise ValueError(f"node: found {self.node!r} with tap 'bus', which has no node")
         if self.length < 1 or self.skip < 0 or self.repeat < ENDLESS or self.repeat == 0:
             raise ValueError("length, skip and repeat: allowed are length >= 1, skip >= 0, repeat >= 1 or -1 (all)")
+        if not (0.0 <= self.begin < 1.0 and self.width > 0.0 and self.begin + self.width <= 1.0 + _ROUNDING):
+            raise ValueError(
+                f"begin and width: found {self.begin:g} and {self.width:g}, allowed: a pulse inside the bit, 0 to 1"
+            )
         if isinstance(self.at, str):
             self.place()
 
@@ -95,5 +105,8 @@ class Disturbance:
             row[kernel.D_PLACE], row[kernel.D_NUMBER] = self.place()
         if self.identifier is not None:
             row[kernel.D_IDENTIFIER], row[kernel.D_MASK] = self.identifier, self.mask
+        if self.width < 1.0:
+            row[kernel.D_BEGIN] = round(self.begin * kernel.WHOLE_BIT)
+            row[kernel.D_END] = round((self.begin + self.width) * kernel.WHOLE_BIT)
         row[kernel.D_SKIP], row[kernel.D_REPEAT], row[kernel.D_LENGTH] = self.skip, self.repeat, self.length
         return row

@@ -14,6 +14,7 @@ from can_fault_injector.receiver import Payload, State, begin, read_bit
 Table = NDArray[np.uint8]
 Rows = NDArray[np.int64]
 
+WARNING_LIMIT = 96
 PASSIVE_LIMIT = 128
 BUS_OFF_LIMIT = 256
 RECEIVE_ERRORS_MAXIMUM = 255
@@ -27,6 +28,12 @@ INTEGRATION_BITS = 11
 def is_passive(s: State) -> bool:
     """Error passive (FC09), error active otherwise (FC11); bus-off is a phase."""
     return bool(s[ns.TRANSMIT_ERRORS] >= PASSIVE_LIMIT or s[ns.RECEIVE_ERRORS] >= PASSIVE_LIMIT)
+
+
+@njit(cache=True)
+def is_warned(s: State) -> bool:
+    """Whether a counter is at the warning level or above (FC16)."""
+    return bool(s[ns.TRANSMIT_ERRORS] >= WARNING_LIMIT or s[ns.RECEIVE_ERRORS] >= WARNING_LIMIT)
 
 
 @njit(cache=True)

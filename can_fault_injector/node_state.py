@@ -45,8 +45,9 @@ from can_fault_injector import fields as f
     IDLE_SEQUENCES,
     EVENT,
     ERROR_KIND,
-) = range(42)
-COLUMNS = 42
+    SAMPLE_POINT,
+) = range(43)
+COLUMNS = 43
 """One row of int64 for each node. ``TRANSMITTER`` stays set after a frame, until another one begins: suspend
 transmission and the counters of error and overload frames need to know whose frame it was."""
 
@@ -103,7 +104,9 @@ ERROR_KINDS = (*f.ERROR_NAMES, "bit", "ack")
     WENT_ACTIVE,
     WENT_BUS_OFF,
     RECOVERED,
-) = range(12)
+    WENT_WARNING,
+    WARNING_OVER,
+) = range(14)
 EVENT_NAMES = (
     "none",
     "started",
@@ -117,6 +120,8 @@ EVENT_NAMES = (
     "error_active",
     "bus_off",
     "recovered",
+    "warning",
+    "warning_over",
 )
 
 # places outside a frame that a disturbance may name; inside a frame they are the codes of fields.py
@@ -136,3 +141,7 @@ PLACES = {name: code for code, name in enumerate(f.FIELD_NAMES)} | {
     "bit": FRAME_POSITION,
 }
 """Names by which a disturbance addresses a bit, ``eof.6`` or ``error_delimiter.1``; ``bit.n`` counts from SOF."""
+PLACE_NAMES = {code: name for name, code in PLACES.items()} | {
+    PHASE_PLACE + INTEGRATING: "integrating",
+    PHASE_PLACE + BUS_OFF: "bus_off",
+}

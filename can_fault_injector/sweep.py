@@ -125,6 +125,7 @@ def _sweep_nodes(
     queues = np.zeros((nodes, QUEUE_SIZE), np.int64)
     events = np.zeros((_LOGGED, kernel.EVENT_COLUMNS), np.int64)
     received = np.zeros((_LOGGED, kernel.RECEIVED_COLUMNS), np.int64)
+    wiring = np.zeros((0, nodes), np.uint8)
     levels, trace, driven = np.zeros((0, 1), np.uint8), np.zeros((0, 1), np.int16), np.zeros(0, np.uint8)
     bit_times, counters = np.ones(2, np.int64), np.zeros(4, np.int64)
     for position in range(positions):
@@ -148,6 +149,7 @@ def _sweep_nodes(
                     extended,
                     identifiers,
                     disturbances,
+                    wiring,
                     driven,
                     0,
                     bit_times,
