@@ -1,0 +1,91 @@
+"""An effect of the catalogue: its equation, its parameters with prior widths, and where it shows.
+
+A parameter's value 0 is neutral: it is the deviation from the vehicle file, relative (factor − 1) or in its unit.
+"""
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+
+class Group(StrEnum):
+    """Part of the car or of the measuring chain that an effect belongs to."""
+
+    TYRE = "tyre"
+    BRAKE = "brake"
+    HYDRAULICS = "hydraulics"
+    SUSPENSION = "suspension"
+    BODY = "body"
+    AERODYNAMICS = "aerodynamics"
+    ROAD = "road"
+    DRIVELINE = "driveline"
+    STEERING = "steering"
+    SENSOR = "sensor"
+    CLOCK = "clock"
+    CAN = "can"
+    CONTROLLER = "controller"
+
+
+class Application(StrEnum):
+    """Where an effect acts in the replay."""
+
+    PLANT = "plant"
+    INPUT = "input"
+    SENSOR = "sensor"
+    CLOCK = "clock"
+
+
+@dataclass(frozen=True)
+class EffectParameter:
+    """One number of an effect, as a deviation whose value 0 is neutral.
+
+    Attributes
+    ----------
+    name : as in the equation, spelled out; its column is ``<effect>.<name>``
+    unit : of the deviation; "1" for a relative one
+    low, high : bounds of the deviation
+    nuisance_std : how far an ordinary car is off its vehicle file (0: not at all)
+    effect_std : width of the prior where the effect is present
+    vehicle_path : dotted path of the vehicle file's parameter that it changes ("" where the file has none); ``*``
+        stands for each wheel or axle
+    relative : True where physical value = nominal · (1 + deviation), False where it is nominal + deviation
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    nuisance_std: float
+    effect_std: float
+    vehicle_path: str = ""
+    relative: bool = True
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One effect of the catalogue (anchor: catalogue of effects, one row).
+
+    Attributes
+    ----------
+    equation : readable, one line
+    signals : channels that show it
+    confounded_with : names of effects that look alike
+    separating_manoeuvre : what tells them apart
+    discrete : True where the parameters take separate values (a swap, a failed circuit) and are run as hypotheses
+    """
+
+    name: str
+    group: Group
+    application: Application
+    equation: str
+    parameters: tuple[EffectParameter, ...]
+    signals: tuple[str, ...]
+    separating_manoeuvre: str
+    confounded_with: tuple[str, ...] = ()
+    source: str = ""
+    discrete: bool = False
+    remarks: str = field(default="")
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of its parameters in a diagnosis, ``<effect>.<parameter>``."""
+        return tuple(f"{self.name}.{parameter.name}" for parameter in self.parameters)

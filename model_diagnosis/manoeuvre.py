@@ -1,0 +1,44 @@
+"""One manoeuvre of measured data as the diagnosis sees it: equal steps, SI units, a weight for each sample."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+SAMPLE_TIME_S = 0.01
+
+
+@dataclass(frozen=True)
+class Manoeuvre:
+    """Channels of one manoeuvre on one time base.
+
+    Attributes
+    ----------
+    time : (n,) array [s], equal steps of ``SAMPLE_TIME_S`` from 0
+    channels : catalogue name -> (n,) array in the catalogue's unit (finite everywhere)
+    weights : catalogue name -> (n,) array; 0 where the sample is missing, held or invalid, else 1
+    source : file and stretch it was cut from, for messages
+    """
+
+    name: str
+    time: FloatArray
+    channels: Mapping[str, FloatArray]
+    weights: Mapping[str, FloatArray]
+    source: str
+
+    @property
+    def samples(self) -> int:
+        """Number of samples."""
+        return len(self.time)
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first to the last sample [s]."""
+        return float(self.time[-1] - self.time[0])
+
+    def weight(self, channel: str) -> FloatArray:
+        """Weights (n,) of a channel; zeros where the channel is missing altogether."""
+        return self.weights.get(channel, np.zeros(self.samples))

@@ -1,0 +1,125 @@
+"""What a diagnosis answers; ``diagnosis.json`` is this model written out."""
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Verdict = Literal[
+    "effect_found", "nothing_found", "data_fault", "indistinguishable", "insufficient_data", "wrong_vehicle"
+]
+
+
+class Part(BaseModel):
+    """Base of the parts: no unknown fields."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+class DataFault(Part):
+    """A fault of the data, named as such and repaired where possible."""
+
+    kind: str
+    channel: str
+    value: float | None = None
+    unit: str = ""
+    evidence: float | None = Field(default=None, description="p-value or log-likelihood margin behind it")
+    repaired: bool = False
+    message: str
+
+
+class ParameterEstimate(Part):
+    """Physical value with its 90 % interval; ``nominal`` is the vehicle file's."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+    nominal: float
+
+
+class Cause(Part):
+    """An effect with its probability and everything this data cannot tell from it."""
+
+    effect: str
+    probability: float
+    parameters: dict[str, ParameterEstimate]
+    group: list[str] = Field(description="effects not distinguishable on this data, itself included")
+    equation: str
+    evidence: float = Field(description="log Bayes factor against 'nothing'")
+    remarks: list[str] = []
+
+
+class DiscoveredTerm(Part):
+    """A term that no catalogue effect explains."""
+
+    formula: str
+    target: str
+    coefficients: list[float]
+    low: list[float]
+    high: list[float]
+    units: list[str]
+    inclusion: float
+
+
+class SignalGain(Part):
+    """Error of one signal on held-out manoeuvres before and after, with the 90 % interval of the error after."""
+
+    before: float
+    after: float
+    low: float
+    high: float
+    unit: str
+    noise_floor: float
+
+
+class OverallGain(Part):
+    """Error after divided by error before over all signals, with its 90 % interval."""
+
+    ratio: float
+    low: float
+    high: float
+
+
+class Gain(Part):
+    """What the extension gains on data it never saw."""
+
+    held_out: dict[str, SignalGain]
+    overall: OverallGain
+    against_refit: OverallGain | None = Field(
+        default=None, description="the same relative to a refit of the nominal parameters within their scatter"
+    )
+    user_figures: dict[str, dict[str, float]] = Field(
+        default_factory=dict, description="stopping distance, ABS cycles, … before and after"
+    )
+    cross_validated: bool = False
+
+
+class NextManoeuvre(Part):
+    """Manoeuvre that would separate what this data cannot, with the log evidence expected of it."""
+
+    name: str
+    description: str
+    separates: list[str]
+    expected_evidence: float
+
+
+class Diagnosis(Part):
+    """The whole answer."""
+
+    verdict: Verdict
+    data_faults: list[DataFault] = []
+    causes: list[Cause] = []
+    discovered_terms: list[DiscoveredTerm] = []
+    gain: Gain | None = None
+    next_manoeuvre: NextManoeuvre | None = None
+    extension_file: str | None = None
+    remarks: list[str] = []
+    insufficient: list[str] = Field(default_factory=list, description="effects that this data does not excite")
+    guilty_equations: dict[str, float] = Field(default_factory=dict, description="equation -> likelihood ratio")
+    ratings: dict[str, dict[str, float]] = Field(
+        default_factory=dict, description="manoeuvre -> signal -> ISO/TS 18571 rating"
+    )
+    probability_of_nothing: float | None = None
+    threshold: float | None = Field(default=None, description="log Bayes factor needed, from the bootstrap")
+    timing_s: dict[str, float] = {}
+    versions: dict[str, Any] = {}
