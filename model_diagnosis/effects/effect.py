@@ -26,12 +26,17 @@ class Group(StrEnum):
 
 
 class Application(StrEnum):
-    """Where an effect acts in the replay."""
+    """Where an effect acts.
+
+    The replay has columns for plant, input and sensor. Clock means transport, mapping and time, settled by the data
+    checks before any replay; controller means the control unit's settings, which measured pressures make irrelevant.
+    """
 
     PLANT = "plant"
     INPUT = "input"
     SENSOR = "sensor"
     CLOCK = "clock"
+    CONTROLLER = "controller"
 
 
 @dataclass(frozen=True)
