@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 PERIOD_NS = 1_000_000
 CATCH_UP_TICKS = 5
 SPIN_FLOOR_NS = 60_000
-SPIN_CEILING_NS = 200_000
+SPIN_CEILING_NS = 400_000
+SPIN_DECAY = 0.999
+"""Share of the spin time kept per tick: a wake-up that came late is remembered for about a second."""
 
 
 @dataclass
@@ -59,6 +61,7 @@ class LockstepPacer:
 class RealtimePacer:
     """Absolute deadlines start + n × 1 ms: sleep to shortly before, then spin.
 
+    Late wake-ups come in bursts: after one the loop spins for longer, up to 0.4 ms of each period, and forgets slowly.
     After a stall at most five ticks run back to back; more are skipped: the time base moves, and the skipped ticks are
     counted. Simulated time then stands still for as long as the machine did.
     """
@@ -94,7 +97,9 @@ class RealtimePacer:
         ahead = deadline - now - self._tail_ns
         if ahead > 0:
             time.sleep(ahead * 1e-9)
+            intended = now + ahead
             now = clock()
+            self._tail_ns = spin_time_ns(self._tail_ns, now - intended)
         while now < deadline:
             now = clock()
         self._wake_ns = now
@@ -107,6 +112,11 @@ class RealtimePacer:
         times.cpu_ns[tick] = time.thread_time_ns() - self._cpu_ns
         times.duration_ns[tick] = time.perf_counter_ns() - self._wake_ns
         times.count = tick + 1
+
+
+def spin_time_ns(spin_ns: int, wake_up_ns: int) -> int:
+    """Spin time of the next tick after a wake-up that came ``wake_up_ns`` late."""
+    return int(min(max(wake_up_ns * 5 // 4, spin_ns * SPIN_DECAY, SPIN_FLOOR_NS), SPIN_CEILING_NS))
 
 
 def measure_wake_up_ns(trials: int = 100) -> int:
