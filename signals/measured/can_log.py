@@ -10,10 +10,11 @@ from signals.errors import InputError
 from signals.measured.raw_channels import RawChannels, missing_channel
 
 
-def read_can_log(path: Path, sources: Sequence[str], dbc: str | None) -> RawChannels:
+def read_can_log(path: Path, sources: Sequence[str], dbc: str | None, *, missing_ok: bool = False) -> RawChannels:
     """Values of ``Message.Signal`` with the time stamps of their frames.
 
-    Frames that the database does not know, and frames too short for it, are passed over.
+    Frames that the database does not know, and frames too short for it, are passed over. With ``missing_ok`` signals
+    without a frame are left out.
 
     Raises
     ------
@@ -31,9 +32,14 @@ def read_can_log(path: Path, sources: Sequence[str], dbc: str | None) -> RawChan
             continue
         _decode(message[0], message[1], frame, times, values)
     for source in sources:
-        if not times[source]:
+        if not times[source] and not missing_ok:
             raise InputError(f"{path}: the signal {source!r} is in the database, but no frame of the log has it")
-    return {source: (np.array(times[source]), np.array(values[source])) for source in sources}
+    return {source: (np.array(times[source]), np.array(values[source])) for source in sources if times[source]}
+
+
+def can_names(dbc: str) -> list[str]:
+    """``Message.Signal`` of everything in a database; InputError if it cannot be read."""
+    return [f"{message.name}.{signal.name}" for message in _load_database(dbc).messages for signal in message.signals]
 
 
 def _load_database(dbc: str) -> Any:

@@ -107,7 +107,7 @@ def read_log(path: str | Path, channel_map: ChannelMap, *, wheel_radius_m: float
         raise InputError(f"{path}: no such log")
     if not channel_map.channels:
         raise InputError(f"{path}: the channel map names no channel")
-    raw = _read_raw(path, channel_map)
+    raw = read_sources(path, channel_map)
     start = min(float(time[0]) for time, _ in raw.values() if len(time))
     channels = {
         name: _channel(path, name, channel, raw[channel.source], start, wheel_radius_m)
@@ -139,9 +139,48 @@ def detect_format(path: Path) -> FileFormat:
     return suffixes[suffix]
 
 
-def _read_raw(path: Path, channel_map: ChannelMap) -> RawChannels:
+def log_names(path: Path, channel_map: ChannelMap) -> list[str]:
+    """Every name that a log offers as a source; of a CAN log those of its database, whether it has them or not.
+
+    Raises
+    ------
+    InputError
+        If the log or its database cannot be read.
+    """
+    kind = _format(path, channel_map)
+    if kind == "csv":
+        from signals.measured.tables import csv_names
+
+        return csv_names(path)
+    if kind == "parquet":
+        from signals.measured.tables import parquet_names
+
+        return parquet_names(path)
+    if kind == "mf4" and channel_map.dbc is None:
+        from signals.measured.mf4_log import mf4_names
+
+        return mf4_names(path)
+    from signals.measured.can_log import can_names
+
+    return can_names(channel_map.dbc) if channel_map.dbc is not None else []
+
+
+def _format(path: Path, channel_map: ChannelMap) -> FileFormat:
+    return detect_format(path) if channel_map.file_format == "auto" else channel_map.file_format
+
+
+def read_sources(path: Path, channel_map: ChannelMap, *, missing_ok: bool = False) -> RawChannels:
+    """The map's sources as they stand in the log, in the log's units.
+
+    With ``missing_ok`` what the log lacks is left out; else it is an InputError.
+    """
     sources = list(dict.fromkeys(channel.source for channel in channel_map.channels.values()))
-    kind = detect_format(path) if channel_map.file_format == "auto" else channel_map.file_format
+    if missing_ok:
+        offered = set(log_names(path, channel_map))
+        sources = [s for s in sources if s in offered or s.rpartition("#")[0] in offered]
+        if not sources:
+            return {}
+    kind = _format(path, channel_map)
     if kind == "csv":
         from signals.measured.tables import read_csv
 
@@ -156,7 +195,7 @@ def _read_raw(path: Path, channel_map: ChannelMap) -> RawChannels:
         return read_mf4_log(path, sources)
     from signals.measured.can_log import read_can_log
 
-    return read_can_log(path, sources, channel_map.dbc)
+    return read_can_log(path, sources, channel_map.dbc, missing_ok=missing_ok)
 
 
 def _channel(
@@ -182,11 +221,18 @@ def _channel(
         )
     fresh = np.concatenate(([True], np.diff(time) > 0))
     return MeasuredChannel(
-        name, unit, time[fresh], _in_si(path, name, channel, values[fresh], wheel_radius_m), channel.source
+        name, unit, time[fresh], in_si(path, name, channel, values[fresh], wheel_radius_m), channel.source
     )
 
 
-def _in_si(path: Path, name: str, channel: Channel, values: FloatArray, wheel_radius_m: float | None) -> FloatArray:
+def in_si(path: Path, name: str, channel: Channel, values: FloatArray, wheel_radius_m: float | None) -> FloatArray:
+    """Values of a log in our unit and sign.
+
+    Raises
+    ------
+    InputError
+        If a wheel speed stands in the log as a speed along the road and no wheel radius is given.
+    """
     own = channel_units()[name]
     target, divisor = own, 1.0
     if is_rim_speed(name, channel):

@@ -18,14 +18,23 @@ def read_mf4_log(path: Path, sources: Sequence[str]) -> RawChannels:
     InputError
         If the file cannot be read, a channel is missing or its name is not unique.
     """
+    with _open(path) as mdf:
+        return {source: _channel(mdf, path, source) for source in sources}
+
+
+def mf4_names(path: Path) -> list[str]:
+    """Names of the channels of an MF4 file; InputError if it cannot be read."""
+    with _open(path) as mdf:
+        return [str(name) for name in mdf.channels_db]
+
+
+def _open(path: Path) -> Any:
     from asammdf import MDF
 
     try:
-        mdf = MDF(path)
+        return MDF(path)
     except Exception as error:
         raise InputError(f"{path}: not a readable MF4 file ({str(error).splitlines()[0]})") from error
-    with mdf:
-        return {source: _channel(mdf, path, source) for source in sources}
 
 
 def _channel(mdf: Any, path: Path, source: str) -> tuple[Any, Any]:

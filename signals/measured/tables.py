@@ -4,7 +4,7 @@ import csv
 import gzip
 from collections.abc import Sequence
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,15 +112,24 @@ def _decimal_comma(path: Path, row: int) -> bool:
         return "," in file.readline()
 
 
-def read_parquet(path: Path, sources: Sequence[str], clock: Clock) -> RawChannels:
-    """Columns of a Parquet file."""
+def parquet_names(path: Path) -> list[str]:
+    """Names of the columns of a Parquet file; InputError if it cannot be read."""
+    return list(_open_parquet(path).schema_arrow.names)
+
+
+def _open_parquet(path: Path) -> Any:
     import pyarrow as pa
     import pyarrow.parquet as parquet
 
     try:
-        file = parquet.ParquetFile(path)
+        return parquet.ParquetFile(path)
     except (pa.ArrowInvalid, OSError) as error:
         raise InputError(f"{path}: not a readable Parquet file ({str(error).splitlines()[0]})") from error
+
+
+def read_parquet(path: Path, sources: Sequence[str], clock: Clock) -> RawChannels:
+    """Columns of a Parquet file."""
+    file = _open_parquet(path)
     names = list(file.schema_arrow.names)
     time_name = clock.column or names[0]
     wanted = list(dict.fromkeys([time_name, *sources]))
