@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from vehicle_model.extension_terms import BODY_X, BODY_Y, YAW
 from vehicle_model.plant_record import (
     POSITION_STEER,
     VELOCITIES,
@@ -174,3 +175,13 @@ def add_air(
             _add_world_force(s, force, 0.0, 0.0, lift, arm * forward_x, arm * forward_y, 0.0, 0.0, 0.0, 0.0)
             power -= lift * (v[2] + turn[0] * arm * forward_y - turn[1] * arm * forward_x)
     s.air_power = power
+
+
+@njit(cache=True)
+def add_terms(s: Record, v: NDArray[np.float64], force: NDArray[np.float64]) -> None:
+    """Forces and yaw moment of the added terms, at the body's origin; the air's account takes their power."""
+    forward_x, forward_y = math.cos(s.yaw), math.sin(s.yaw)
+    along, across, yaw_moment = s.added[BODY_X, 0], s.added[BODY_Y, 0], s.added[YAW, 0]
+    f_x, f_y = forward_x * along - forward_y * across, forward_y * along + forward_x * across
+    _add_world_force(s, force, f_x, f_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, yaw_moment)
+    s.air_power -= f_x * v[0] + f_y * v[1] + yaw_moment * s.angular_velocity[2]

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from vehicle_model.body_forces import steering_angle
 from vehicle_model.equilibrium import solve_equilibrium
+from vehicle_model.extension_terms import new_terms, write_terms
 from vehicle_model.guidance import guidance
 from vehicle_model.interface import PLANT_OUTPUTS, TIME_STEP_S
 from vehicle_model.mjcf import build_model, write_bodies, write_slides
@@ -83,6 +84,7 @@ class Plant(PlantAccess):
         self._at_rest = copy_of(vehicle)
         self._numbers_at_rest = self._rigid_body_numbers(self._at_rest)
         self._options: PlantOptions = PlantOptions(steps_per_tick=steps_per_tick, wheel_substeps=wheel_substeps)
+        self._terms = new_terms()
         self._road = RoadTables(road or RoadFile())
         self._parameters = np.zeros(1, PARAMETER_RECORD)
         self._state = np.zeros(1, STATE_RECORD)
@@ -92,7 +94,7 @@ class Plant(PlantAccess):
         self._time_s = 0.0
         self._model = build_model(self._bodies(), TIME_STEP_S / steps_per_tick)
         self._data, self._scratch = mujoco.MjData(self._model), mujoco.MjData(self._model)
-        for section in (*RIGID_BODY_SECTIONS, "tyres", "plant"):
+        for section in (*RIGID_BODY_SECTIONS, "tyres", "terms", "plant"):
             self._write(section)
         self.outputs = np.zeros(len(PLANT_OUTPUTS))
         self._addresses = np.zeros(len(ADDRESS_NAMES), np.int64)
@@ -110,6 +112,9 @@ class Plant(PlantAccess):
         """Bring the compiled step's memory up to date after a change in a section of the parameters."""
         if section == "tyres":
             write_tyres(self._parameters, self._tyres, self._vehicle)
+            return
+        if section == "terms":
+            write_terms(self._parameters, self._terms, self._vehicle)
             return
         if section == "plant":
             write_numerics(self._parameters, self._options)
@@ -144,6 +149,7 @@ class Plant(PlantAccess):
             "surfaces": self._road.surfaces,
             "heights": self._road.heights,
             "outputs": self.outputs,
+            "terms": self._terms,
         }
         addresses = {name: array.ctypes.data for name, array in memory.items()}
         addresses |= {"model": self._model._address, "data": self._data._address}
@@ -169,6 +175,8 @@ class Plant(PlantAccess):
         """Static equilibrium, moving at ``speed_m_s`` along the heading with freely rolling wheels."""
         mujoco.mj_resetData(self._model, self._data)
         self._state[:] = np.zeros(1, STATE_RECORD)
+        self._terms["memory"] = 0.0
+        self._parameters["radius"] = self._parameters["nominal_radius"]
         self._time_s = time_s
         q, v = self._data.qpos, self._data.qvel
         q[:3] = position_x_m, position_y_m, self._parameters["height"][0]

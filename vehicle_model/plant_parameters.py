@@ -15,7 +15,7 @@ from vehicle_model.tyres.relaxation import fill_in
 from vehicle_model.tyres.tyre_file import AnyTyre, TirTyre, TyrePair
 from vehicle_model.vehicle_file import STANDARD_GRAVITY, VehicleFile
 
-SECTIONS = ("body", "axles", "wheels", "suspension", "steering", "aerodynamics", "tyres")
+SECTIONS = ("body", "axles", "wheels", "suspension", "steering", "aerodynamics", "tyres", "terms")
 RIGID_BODY_SECTIONS = ("body", "axles", "wheels")
 GUIDANCE_SECTIONS = ("body", "axles", "wheels", "suspension")
 """Sections on which the lines depend along which the wheels travel."""
@@ -88,7 +88,7 @@ def write_running_gear(record: NDArray[np.void], vehicle: VehicleFile, at_rest: 
 def _write_wheels(p: Record, vehicle: VehicleFile, at_rest: VehicleFile) -> None:
     for i, name in enumerate(WHEELS):
         wheel, wheel_at_rest = getattr(vehicle.wheels, name), getattr(at_rest.wheels, name)
-        p["radius"][i] = wheel.radius
+        p["radius"][i] = p["nominal_radius"][i] = wheel.radius
         p["vertical_stiffness"][i] = wheel.vertical_stiffness
         p["vertical_damping"][i] = wheel.vertical_damping
         p["rolling_resistance"][i] = wheel.rolling_resistance

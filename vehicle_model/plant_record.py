@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from vehicle_model.extension_terms_file import TARGETS
 from vehicle_model.suspension_file import MOST_DAMPER_POINTS
 
 Record: TypeAlias = Any
@@ -84,6 +85,19 @@ PARAMETER_RECORD = np.dtype(
         ("lift_front", "f8"),
         ("lift_rear", "f8"),
         ("drag_height", "f8"),
+        # added terms, and what their variables need of tyres and brakes
+        ("terms", "i8"),
+        ("radius_changed", "i8"),  # 1 where a term acts on a radius
+        ("nominal_radius", "f8", (4,)),
+        ("tyre_heat_capacity", "f8"),
+        ("tyre_cooling_rate", "f8"),
+        ("ambient_temperature", "f8"),
+        ("torque_per_pressure", "f8", (4,)),
+        ("disc_heat_capacity", "f8", (4,)),
+        ("disc_heat_share", "f8", (4,)),
+        ("disc_cooling", "f8", (4,)),
+        ("disc_cooling_per_speed", "f8", (4,)),
+        ("disc_start_temperature", "f8", (4,)),
     ],
     align=True,
 )
@@ -150,6 +164,11 @@ STATE_RECORD = np.dtype(
         ("air_energy", "f8"),
         ("drive_energy", "f8"),
         ("distance", "f8"),
+        # sums of the added terms by target and wheel; rise of temperature over the start's or the air's
+        ("added", "f8", (len(TARGETS), 4)),
+        ("stop_energy", "f8", (4,)),
+        ("disc_heating", "f8", (4,)),
+        ("tyre_heating", "f8", (4,)),
     ],
     align=True,
 )

@@ -13,8 +13,18 @@ from numba import njit
 from numpy.typing import NDArray
 
 from signals.record_memory import pointer
-from vehicle_model.body_forces import add_air, add_steering, add_tyres, clear, vertical_loads
+from vehicle_model.body_forces import add_air, add_steering, add_terms, add_tyres, clear, vertical_loads
 from vehicle_model.energy import account, keep_before, update_first_moment
+from vehicle_model.extension_terms import (
+    BRAKE,
+    BRAKE_FACTOR,
+    DRIVE,
+    FRICTION_FACTOR,
+    SIDE_FORCE,
+    TERM_RECORD,
+    evaluate_terms,
+)
+from vehicle_model.extension_terms_file import MOST_TERMS
 from vehicle_model.external_mujoco import mj_step
 from vehicle_model.kinematics import update_kinematics
 from vehicle_model.plant_outputs import write_outputs
@@ -66,9 +76,10 @@ ADDRESS_NAMES = (
     "surfaces",
     "heights",
     "outputs",
+    "terms",
 )
 _MODEL, _DATA, _Q, _V, _FORCE, _GRAVITY, _PARAMETERS, _STATE = range(8)
-_TYRES, _PREPARED, _ROAD, _JUMPS, _PATCHES, _POINTS, _SURFACES, _HEIGHTS, _OUTPUTS = range(8, 17)
+_TYRES, _PREPARED, _ROAD, _JUMPS, _PATCHES, _POINTS, _SURFACES, _HEIGHTS, _OUTPUTS, _TERMS = range(8, 18)
 
 _OUTPUT_COUNT = 128
 
@@ -115,7 +126,10 @@ def _prepare_tyres(
         camber = math.asin(s.axis_z[i])
         if p.camber[i] != 0.0 or p.camber_gain[i] != 0.0:
             camber += p.camber[i] + p.camber_gain[i] * q[POSITION_TRAVEL[i]]
-        prepare(tyres[i], surfaces[surface], friction * p.friction_factor[i], load, speed, camber, prepared[i])
+        friction *= p.friction_factor[i]
+        if p.terms > 0:
+            friction *= max(1.0 + s.added[FRICTION_FACTOR, i], 0.0)
+        prepare(tyres[i], surfaces[surface], friction, load, speed, camber, prepared[i])
         s.peak_friction[i] = prepared[i, PEAK_FORCE_X] / load
 
 
@@ -141,15 +155,22 @@ def _integrate(
 
     _meet_road(s, q, addresses)
     vertical_loads(p, s, q)
+    if p.terms > 0:
+        terms = numba.carray(pointer(addresses[_TERMS]), MOST_TERMS, TERM_RECORD)
+        evaluate_terms(p, s, terms, q, v, brake, drive, steer, time, step)
     _prepare_tyres(p, s, q, addresses, time)
     for i in range(4):
         heading_x, heading_y = s.forward[i, 0], s.forward[i, 1]
         at_x, at_y = s.contact_velocity[i, 0], s.contact_velocity[i, 1]
         along, across = heading_x * at_x + heading_y * at_y, heading_x * at_y - heading_y * at_x
         spin = v[VELOCITY_SPIN[i]] - s.carrier_spin[i]
-        s.new_spin[i] = spin_wheel(
-            p, s, i, tyres[i], prepared[i], spin, max(brake[i], 0.0), drive[i], along, across, step
-        )
+        braking, driving = max(brake[i], 0.0), drive[i]
+        if p.terms > 0:
+            braking = max(braking * (1.0 + s.added[BRAKE_FACTOR, i]) + s.added[BRAKE, i], 0.0)
+            driving += s.added[DRIVE, i]
+        s.new_spin[i] = spin_wheel(p, s, i, tyres[i], prepared[i], spin, braking, driving, along, across, step)
+        if p.terms > 0:
+            s.force_y[i] += s.added[SIDE_FORCE, i]
 
     clear(force)
     add_suspension(p, s, q, v, force, step)
@@ -157,6 +178,8 @@ def _integrate(
     add_tyres(p, s, q, force)
     wind_x, wind_y = wind_at(road, time)
     add_air(p, s, v, q[2], wind_x, wind_y, force)
+    if p.terms > 0:
+        add_terms(s, v, force)
     for i in range(4):
         change = (s.new_spin[i] - (v[VELOCITY_SPIN[i]] - s.carrier_spin[i])) / step + s.carrier_acceleration[i]
         force[VELOCITY_SPIN[i]] = p.spin_inertia[i] * change

@@ -18,6 +18,7 @@ from signals.yaml_files import Document, load_yaml, overlay, validate, walk
 from vehicle_model import parameters
 from vehicle_model.actuation_file import Brakes, Driveline, Hydraulics
 from vehicle_model.body_file import Aerodynamics, Axles, Body, Steering, Wheels
+from vehicle_model.extension_terms_file import Term, Terms
 from vehicle_model.mass_check import check_masses
 from vehicle_model.parameters import ParameterInfo
 from vehicle_model.reference.planar_file import Planar
@@ -45,6 +46,7 @@ _SECTIONS = (
     "two_track",
     "steered_track",
     "tyres",
+    "terms",
 )
 
 
@@ -52,7 +54,8 @@ class Extension(FileModel):
     """An effect that measured data showed, as parameters of this file by dotted path."""
 
     effect: str
-    parameters: dict[str, float | str]
+    parameters: dict[str, float | str] = Field(default_factory=dict)
+    terms: list[Term] = Field(default_factory=list, description="added to the car's stack of terms")
     evidence: str = ""
 
 
@@ -84,6 +87,7 @@ class VehicleFile(FileModel):
     two_track: TwoTrackSection = TwoTrackSection()
     steered_track: SteeredTrackSection = SteeredTrackSection()
     tyres: TyrePair | str
+    terms: Terms = Terms()
     extensions: list[Extension] = Field(default_factory=list)
     scatter: dict[str, Scatter] = Field(default_factory=dict)
     sources: dict[str, str] = Field(default_factory=dict)

@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from vehicle_model.extension_terms import ROLLING
 from vehicle_model.plant_record import Record
 from vehicle_model.tyres.coefficients import MAGIC_FORMULA
 from vehicle_model.tyres.kernel import (
@@ -134,7 +135,10 @@ def spin_wheel(
     substeps = p.substeps
     h = time_step / substeps
     radius, inertia = p.radius[i], p.spin_inertia[i]
-    rolling = p.rolling_resistance[i] * s.load[i] * radius
+    rolling_resistance = p.rolling_resistance[i]
+    if p.terms > 0:
+        rolling_resistance = max(rolling_resistance + s.added[ROLLING, i], 0.0)
+    rolling = rolling_resistance * s.load[i] * radius
     capacity = brake + rolling
     brake_share = brake / capacity if capacity > 0.0 else 0.0
     full_below, none_above = p.contact_full_below[i], p.contact_none_above[i]

@@ -7,6 +7,7 @@ from plant_cases import car_on
 
 from signals.errors import InputError
 from signals.vector import SignalVector
+from vehicle_model.extension_terms_file import Term
 from vehicle_model.interface import PLANT_OUTPUTS
 from vehicle_model.plant import Plant
 from vehicle_model.road_file import Gust, Jump, Patch, ProfilePoint, RoadFile, Roughness, Side, Water
@@ -40,6 +41,31 @@ WORKING_SUSPENSION = {
 CAMBER = {f"suspension.{axle}.{name}" for axle in ("front", "rear") for name in ("camber", "camber_gain")}
 """Curve tyres do not feel it; ``test_plant_tir`` shows what it does."""
 
+TERMS = [
+    {"target": "tyre_friction_factor", "coefficient": -1e-3, "factors": [{"variable": "tyre_temperature"}]},
+    {
+        "target": "brake_torque_factor",
+        "coefficient": 0.05,
+        "factors": [
+            {"variable": "speed", "function": "above", "at": 2.0, "exponent": 1.5},
+            {"variable": "wheel_angle", "function": "sine", "wave_number": 2.0, "phase": 0.3},
+        ],
+    },
+    {
+        "target": "yaw_moment",
+        "coefficient": -40.0,
+        "factors": [
+            {"variable": "yaw_rate", "function": "relay", "at": 0.01, "width": 0.02},
+            {"variable": "lateral_acceleration", "function": "limited", "at": 0.1, "width": 5.0},
+        ],
+    },
+    {
+        "target": "drive_torque",
+        "coefficient": -0.01,
+        "factors": [{"variable": "brake_torque", "function": "play", "width": 100.0}],
+    },
+]
+
 AT_SPEED = {"road.water.speed_dependence"}  # Table 1 begins at 50 km/h
 
 
@@ -51,6 +77,7 @@ def _vehicle() -> Plant:
             set_parameter(vehicle, f"suspension.{axle}.{name}", value)
     set_parameter(vehicle, "suspension.adaptive.mode", 1.0)
     set_parameter(vehicle, "aerodynamics.side_force_coefficient", 1.0)
+    vehicle.terms.stack.extend(Term.model_validate(term) for term in TERMS)
     return Plant(vehicle, RICH_ROAD)
 
 
