@@ -1,0 +1,89 @@
+"""The two fits everything rests on: "nothing is wrong" and "everything may be", and the whitening between them.
+
+Source: model discrepancy anchor, section 3.4.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
+from model_diagnosis.evidence.priors import Priors
+from model_diagnosis.evidence.replay_model import ReplayModel
+from model_diagnosis.evidence.whitening import Whitener, fit_whitener, sensor_whitener, temperature
+
+FloatArray = NDArray[np.float64]
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Base:
+    """Where the search starts.
+
+    Attributes
+    ----------
+    problem : with the whitening that stays fixed for all hypotheses
+    nothing : fit of the nominal parameters within their scatter
+    saturated : fit with every effect allowed
+    at_nothing, at_saturated : sensitivities at the two
+    """
+
+    problem: Problem
+    nothing: Fit
+    saturated: Fit
+    at_nothing: Linearisation
+    at_saturated: Linearisation
+
+
+def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = None) -> Base:
+    """Fit base and saturated model, the latter from two starts, and whiten by what the saturated one leaves.
+
+    Three sweeps of sensitivities: at neutral, at the base fit and at the saturated fit.
+    """
+    tell = progress or (lambda _step, _share: None)
+    neutral = np.clip(priors.centre, priors.low, priors.high)
+    tell("sensitivities at the vehicle file", 0.0)
+    crude = Problem(replay, priors, sensor_whitener(replay))
+    raw = replay.sensitivities(neutral)
+    chord = crude.linearise(neutral, raw)
+    tell("base fit", 0.3)
+    nothing = crude.fit(chord, priors.nuisance, neutral)
+    saturated, whitener = _saturated_from_two_starts(crude, chord, (nothing.theta, neutral))
+    tell("sensitivities at the base fit", 0.4)
+    problem = Problem(replay, priors, whitener)
+    chord = problem.linearise(neutral, raw)
+    nothing = problem.fit(chord, priors.nuisance, nothing.theta)
+    raw = replay.sensitivities(nothing.theta)
+    chord = problem.linearise(nothing.theta, raw)
+    saturated, whitener = _saturated_from_two_starts(problem, chord, (nothing.theta, saturated.theta))
+    tell("sensitivities at the saturated fit", 0.7)
+    problem = Problem(replay, priors, whitener)
+    at_saturated = problem.linearise(saturated.theta)
+    problem = replace(problem, whitener=replace(whitener, temperature=_temperature(problem, at_saturated)))
+    at_saturated = _cooled(at_saturated, problem)
+    nothing = problem.fit(problem.linearise(nothing.theta, raw), priors.nuisance, nothing.theta)
+    saturated = problem.fit(at_saturated, priors.saturated(), saturated.theta)
+    tell("base", 1.0)
+    return Base(problem, nothing, saturated, problem.linearise(nothing.theta, raw), at_saturated)
+
+
+def _saturated_from_two_starts(
+    problem: Problem, chord: Linearisation, starts: tuple[FloatArray, FloatArray]
+) -> tuple[Fit, Whitener]:
+    """Saturated fit and its whitening from the start that leaves the smaller sum of log sigma."""
+    fits = [problem.fit(chord, problem.priors.saturated(), start) for start in starts]
+    whiteners = [fit_whitener(problem.replay, problem.replay.residuals(fit.theta)) for fit in fits]
+    best = int(np.argmin([whitener.log_sigma() for whitener in whiteners]))
+    return fits[best], whiteners[best]
+
+
+def _temperature(problem: Problem, linearisation: Linearisation) -> float:
+    return temperature(problem.rows(linearisation.theta), linearisation.matrices, problem.whitener.blocks())
+
+
+def _cooled(linearisation: Linearisation, problem: Problem) -> Linearisation:
+    """The linearisation, made at temperature 1, at the problem's."""
+    scale = 1.0 / problem.whitener.temperature
+    return replace(linearisation, informations=tuple(scale * part for part in linearisation.informations))

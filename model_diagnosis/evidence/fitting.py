@@ -1,0 +1,195 @@
+"""Fits of the deviations: linearisations of the replay, damped Gauss-Newton with chord steps.
+
+Source: model discrepancy anchor, sections 3.3 and 3.6. A Jacobian costs as much as a hundred replays, so it is computed
+at few points and kept between steps.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from model_diagnosis.evidence.priors import Priors
+from model_diagnosis.evidence.quadratic import Quadratic, total
+from model_diagnosis.evidence.replay_model import ReplayModel
+from model_diagnosis.evidence.whitening import Whitener, huber_loss, huber_weights
+
+FloatArray = NDArray[np.float64]
+
+MAXIMUM_STEPS = 12
+HALVINGS = 4
+COST_TOLERANCE = 0.1
+"""A step that lowers the cost (twice the negative log posterior) by less ends a fit."""
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """Whitened, scaled sensitivities at one point.
+
+    Attributes
+    ----------
+    theta : (p,) the point
+    matrices : (N_m, p) per manoeuvre, whitened, for deviations in units of their effect width
+    weights : (N_m,) per manoeuvre, Huber's at the point
+    informations : (p, p) per manoeuvre, J'WJ / T
+    """
+
+    theta: FloatArray
+    matrices: tuple[FloatArray, ...]
+    weights: tuple[FloatArray, ...]
+    informations: tuple[FloatArray, ...]
+
+    @property
+    def information(self) -> FloatArray:
+        """J'WJ / T of all manoeuvres together."""
+        return np.sum(self.informations, axis=0)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Minimum of the cost under one hypothesis.
+
+    Attributes
+    ----------
+    theta : (p,) deviations in their own units
+    cost : twice the negative log posterior, without constants
+    misfit : the cost's part from the data
+    widths : (p,) prior widths it was fitted with
+    fixed : columns held at their value
+    """
+
+    theta: FloatArray
+    cost: float
+    misfit: float
+    widths: FloatArray
+    fixed: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Replay, priors and whitening: everything that stays the same for all hypotheses."""
+
+    replay: ReplayModel
+    priors: Priors
+    whitener: Whitener
+
+    @property
+    def scale(self) -> FloatArray:
+        """Effect width (p,) of each deviation: the unit of z."""
+        return self.priors.effect
+
+    def scaled(self, theta: FloatArray) -> FloatArray:
+        """Deviations in units of their effect width, from the prior's centre."""
+        return (theta - self.priors.centre) / self.scale
+
+    def rows(self, theta: FloatArray) -> list[FloatArray]:
+        """Whitened residual (N_m,) per manoeuvre; one replay."""
+        return self.whitener.residuals(self.replay.residuals(theta))
+
+    def misfit(self, rows: Sequence[FloatArray]) -> float:
+        """Huber's loss of all rows over the temperature."""
+        return sum(huber_loss(row) for row in rows) / self.whitener.temperature
+
+    def cost(self, rows: Sequence[FloatArray], theta: FloatArray, widths: FloatArray) -> float:
+        """Twice the negative log posterior of theta, without constants."""
+        return self.misfit(rows) + float(np.sum(((theta - self.priors.centre) / widths) ** 2))
+
+    def linearise(self, theta: FloatArray, sensitivities: Sequence[FloatArray] | None = None) -> Linearisation:
+        """Sensitivities of every column at theta, computed unless given (n, c, p) per manoeuvre."""
+        residuals = self.rows(theta)
+        raw = self.replay.sensitivities(theta) if sensitivities is None else sensitivities
+        matrices = self.whitener.sensitivities([values * self.scale for values in raw])
+        weights = tuple(huber_weights(row) for row in residuals)
+        return Linearisation(theta.copy(), tuple(matrices), weights, self._informations(matrices, weights))
+
+    def refreshed(self, linearisation: Linearisation, theta: FloatArray, columns: Sequence[int]) -> Linearisation:
+        """The same with some columns computed anew at theta; the others stay as chords."""
+        chosen = np.asarray(columns, dtype=np.int64)
+        fresh = self.whitener.sensitivities(
+            [values * self.scale[chosen] for values in self.replay.sensitivities(theta, columns)]
+        )
+        matrices, informations = [], []
+        for matrix, part, weights, known in zip(
+            linearisation.matrices, fresh, linearisation.weights, linearisation.informations, strict=True
+        ):
+            updated = matrix.copy()
+            updated[:, chosen] = part
+            information = known.copy()
+            information[chosen] = (part * weights[:, None]).T @ updated / self.whitener.temperature
+            information[:, chosen] = information[chosen].T
+            matrices.append(updated)
+            informations.append(information)
+        return replace(linearisation, theta=theta.copy(), matrices=tuple(matrices), informations=tuple(informations))
+
+    def quadratics(
+        self, linearisation: Linearisation, rows: Sequence[FloatArray], theta: FloatArray
+    ) -> list[Quadratic]:
+        """Log likelihood of each manoeuvre around theta, with the sensitivities of ``linearisation``."""
+        scaled = self.scaled(theta)
+        return [
+            Quadratic(
+                information, matrix.T @ (huber_weights(row) * row) / self.whitener.temperature + information @ scaled
+            )
+            for information, matrix, row in zip(linearisation.informations, linearisation.matrices, rows, strict=True)
+        ]
+
+    def quadratic(self, linearisation: Linearisation, rows: Sequence[FloatArray], theta: FloatArray) -> Quadratic:
+        """Log likelihood of all manoeuvres around theta."""
+        return total(self.quadratics(linearisation, rows, theta))
+
+    def fit(
+        self,
+        linearisation: Linearisation,
+        widths: FloatArray,
+        start: FloatArray,
+        fixed: Sequence[int] = (),
+        steps: int = MAXIMUM_STEPS,
+    ) -> Fit:
+        """Minimise the cost from ``start`` with chord steps, halving, and bounds kept by clipping."""
+        theta = np.clip(start, self.priors.low, self.priors.high)
+        precision = (widths / self.scale) ** -2.0
+        curvature = linearisation.information + np.diag(precision)
+        rows = self.rows(theta)
+        cost = self.cost(rows, theta, widths)
+        for _ in range(steps):
+            gradient = -precision * self.scaled(theta)
+            for matrix, row in zip(linearisation.matrices, rows, strict=True):
+                gradient += matrix.T @ (huber_weights(row) * row) / self.whitener.temperature
+            step = self._step(curvature, gradient, theta, fixed)
+            found = self._shorten(theta, step * self.scale, cost, widths)
+            if found is None:
+                break
+            gained = cost - found[2]
+            theta, rows, cost = found
+            if gained < COST_TOLERANCE:
+                break
+        return Fit(theta, cost, self.misfit(rows), widths, tuple(fixed))
+
+    def _informations(self, matrices: Sequence[FloatArray], weights: Sequence[FloatArray]) -> tuple[FloatArray, ...]:
+        return tuple(
+            (matrix * weight[:, None]).T @ matrix / self.whitener.temperature
+            for matrix, weight in zip(matrices, weights, strict=True)
+        )
+
+    def _step(self, curvature: FloatArray, gradient: FloatArray, theta: FloatArray, fixed: Sequence[int]) -> FloatArray:
+        """Newton step (p,) of z with the columns at a bound that the gradient pushes against held."""
+        free = ~(((theta <= self.priors.low) & (gradient < 0.0)) | ((theta >= self.priors.high) & (gradient > 0.0)))
+        free[list(fixed)] = False
+        step = np.zeros(len(theta))
+        chosen = np.flatnonzero(free)
+        step[chosen] = cho_solve(cho_factor(curvature[np.ix_(chosen, chosen)]), gradient[chosen])
+        return step
+
+    def _shorten(
+        self, theta: FloatArray, step: FloatArray, cost: float, widths: FloatArray
+    ) -> tuple[FloatArray, list[FloatArray], float] | None:
+        """First of the halved steps that lowers the cost; None where none does."""
+        for halving in range(HALVINGS + 1):
+            trial = np.clip(theta + step * 0.5**halving, self.priors.low, self.priors.high)
+            rows = self.rows(trial)
+            trial_cost = self.cost(rows, trial, widths)
+            if np.isfinite(trial_cost) and trial_cost < cost:
+                return trial, rows, trial_cost
+        return None

@@ -1,0 +1,68 @@
+"""Hypotheses: which deviations of an effect are present."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.evidence.replay_model import ReplayModel
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """An effect is present with these columns of theta.
+
+    Attributes
+    ----------
+    effect : index into the replay's effects
+    columns : the deviations that are present, all of the effect's or one of them
+    share : prior probability within the effect
+    value : the deviation itself where the effect takes separate values (a swap, a failed circuit); else None
+    """
+
+    effect: int
+    columns: tuple[int, ...]
+    share: float
+    value: float | None = None
+
+
+def hypotheses_of(replay: ReplayModel, available: Sequence[bool] | None = None) -> list[Hypothesis]:
+    """Hypotheses of all effects: all deviations together, and each alone where there are several (one wheel of four).
+
+    ``available`` (p,) leaves out columns that this data cannot show at all.
+    """
+    found = []
+    for index in range(len(replay.effects)):
+        columns = [int(column) for column in np.flatnonzero(replay.owner == index)]
+        if available is not None:
+            columns = [column for column in columns if available[column]]
+        if not columns:
+            continue
+        if replay.effects[index].discrete:
+            found += _discrete(index, columns, replay)
+            continue
+        choices = [tuple(columns)]
+        if len(columns) > 1:
+            choices += [(column,) for column in columns]
+        found += [Hypothesis(index, choice, 1.0 / len(choices)) for choice in choices]
+    return found
+
+
+def _discrete(effect: int, columns: Sequence[int], replay: ReplayModel) -> list[Hypothesis]:
+    """One hypothesis for each bound of each deviation that is not the neutral value."""
+    values = [
+        (column, value)
+        for column in columns
+        for value in (replay.parameters[column].low, replay.parameters[column].high)
+        if value != 0.0
+    ]
+    return [Hypothesis(effect, (column,), 1.0 / len(values), value) for column, value in values]
+
+
+def by_effect(hypotheses: Sequence[Hypothesis], evidence: Sequence[float], effects: int) -> NDArray[np.float64]:
+    """Log Bayes factor (effects,) of each effect, averaged over its hypotheses; -inf for an effect without any."""
+    combined = np.full(effects, -np.inf)
+    for hypothesis, value in zip(hypotheses, evidence, strict=True):
+        combined[hypothesis.effect] = np.logaddexp(combined[hypothesis.effect], value + np.log(hypothesis.share))
+    return combined

@@ -1,0 +1,68 @@
+"""Two prior widths for each deviation: an ordinary car's and that of an effect which is present."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.effects.effect import EffectParameter
+
+FloatArray = NDArray[np.float64]
+
+NUISANCE_FLOOR = 1e-3
+"""Nuisance width of a deviation that an ordinary car does not have, as a share of its effect width."""
+
+
+@dataclass(frozen=True)
+class Priors:
+    """Priors of all p deviations, each in its own unit.
+
+    Attributes
+    ----------
+    centre : (p,) mean under every hypothesis; not 0 where the form calibration moved the base
+    nuisance : (p,) width in an ordinary car
+    effect : (p,) width where the effect is present
+    low, high : (p,) bounds
+    """
+
+    centre: FloatArray
+    nuisance: FloatArray
+    effect: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+    @classmethod
+    def of(cls, parameters: Sequence[EffectParameter]) -> "Priors":
+        """Priors as the catalogue states them."""
+        effect = np.array([parameter.effect_std for parameter in parameters])
+        nuisance = np.array([parameter.nuisance_std for parameter in parameters])
+        return cls(
+            centre=np.zeros(len(effect)),
+            nuisance=np.maximum(nuisance, NUISANCE_FLOOR * effect),
+            effect=np.maximum(effect, nuisance),
+            low=np.array([parameter.low for parameter in parameters]),
+            high=np.array([parameter.high for parameter in parameters]),
+        )
+
+    def recentred(self, shift: FloatArray, spread: FloatArray) -> "Priors":
+        """Priors moved by the shift that form errors cause and widened by what of it varies (anchor 3.4a)."""
+        nuisance = np.hypot(self.nuisance, spread)
+        return Priors(
+            centre=np.clip(self.centre + shift, self.low, self.high),
+            nuisance=nuisance,
+            effect=np.maximum(self.effect, nuisance),
+            low=self.low,
+            high=self.high,
+        )
+
+    def widths(self, present: Iterable[int] = ()) -> FloatArray:
+        """Prior widths (p,) where the named columns belong to effects that are present."""
+        widths = self.nuisance.copy()
+        chosen = list(present)
+        widths[chosen] = self.effect[chosen]
+        return widths
+
+    def saturated(self) -> FloatArray:
+        """Widths (p,) where every effect may be present."""
+        return np.maximum(self.nuisance, self.effect)

@@ -1,0 +1,267 @@
+"""Candidates, their refits and the forward selection with dropping and swapping.
+
+Source: model discrepancy anchor, sections 3.5, 3.6 and 4.3.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
+from model_diagnosis.evidence.hypotheses import Hypothesis
+from model_diagnosis.evidence.quadratic import Quadratic, effect_evidence, total, widening
+
+FloatArray = NDArray[np.float64]
+
+FROM_BASE, FROM_SATURATED, FROM_GRID = 3, 2, 3
+GRID = (-1.5, -0.75, 0.75, 1.5)
+CORRELATED_NUISANCES = 12
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A hypothesis worth a refit and the points to start it from."""
+
+    hypothesis: Hypothesis
+    starts: tuple[FloatArray, ...]
+
+
+@dataclass(frozen=True)
+class Refit:
+    """A refitted hypothesis, its evidence against the answer without it, and each manoeuvre's quadratic at its fit."""
+
+    hypothesis: Hypothesis
+    fit: Fit
+    evidence: float
+    parts: list[Quadratic]
+
+
+@dataclass
+class Stage:
+    """One step of the forward selection: what is accepted already, its fit, and what all others would add.
+
+    Attributes
+    ----------
+    accepted : hypotheses taken as present
+    nothing_more : fit with these alone
+    linearisation : sensitivities at that fit
+    linear : (h,) evidence of every hypothesis from the sensitivities alone
+    refits : by hypothesis
+    """
+
+    accepted: tuple[Hypothesis, ...]
+    nothing_more: Fit
+    linearisation: Linearisation
+    linear: FloatArray
+    refits: list[Refit] = field(default_factory=list)
+
+    @property
+    def best(self) -> Refit | None:
+        """Refit with the largest evidence."""
+        return max(self.refits, key=lambda refit: refit.evidence, default=None)
+
+
+def present_columns(accepted: Sequence[Hypothesis]) -> tuple[int, ...]:
+    """Columns of all accepted hypotheses."""
+    return tuple(sorted({column for hypothesis in accepted for column in hypothesis.columns}))
+
+
+def fixed_columns(accepted: Sequence[Hypothesis]) -> tuple[int, ...]:
+    """Columns whose value a discrete hypothesis states."""
+    return tuple(column for hypothesis in accepted if hypothesis.value is not None for column in hypothesis.columns)
+
+
+def _with_values(theta: FloatArray, accepted: Sequence[Hypothesis]) -> FloatArray:
+    """Theta with the values that discrete hypotheses state."""
+    changed = theta.copy()
+    for hypothesis in accepted:
+        if hypothesis.value is not None:
+            changed[list(hypothesis.columns)] = hypothesis.value
+    return changed
+
+
+def _cost(fit: Fit) -> float:
+    return fit.cost
+
+
+def ratios(problem: Problem, accepted: Sequence[Hypothesis]) -> FloatArray:
+    """Prior widths (p,) over effect widths with the accepted hypotheses present."""
+    return problem.priors.widths(present_columns(accepted)) / problem.scale
+
+
+def linear_evidence(
+    problem: Problem,
+    quadratic: Quadratic,
+    hypotheses: Sequence[Hypothesis],
+    accepted: Sequence[Hypothesis] = (),
+) -> FloatArray:
+    """Evidence (h,) of each hypothesis beside the accepted ones, from one linearisation."""
+    return effect_evidence(
+        quadratic, ratios(problem, accepted), np.ones(len(problem.scale)), [one.columns for one in hypotheses]
+    )
+
+
+class Search:
+    """Search over the hypotheses of one prepared problem."""
+
+    def __init__(self, problem: Problem, hypotheses: Sequence[Hypothesis]) -> None:
+        self.problem = problem
+        self.hypotheses = list(hypotheses)
+
+    def stage(self, accepted: Sequence[Hypothesis], nothing_more: Fit, linearisation: Linearisation) -> Stage:
+        """Linear evidence of everything beside ``accepted`` at its fit."""
+        quadratic = self._quadratic(linearisation, nothing_more.theta)
+        return Stage(
+            tuple(accepted),
+            nothing_more,
+            linearisation,
+            linear_evidence(self.problem, quadratic, self.hypotheses, accepted),
+        )
+
+    def candidates(self, stage: Stage, saturated: Linearisation | None = None) -> list[Candidate]:
+        """Best of the sensitivities at the base and at the saturated fit, and of a coarse grid over every column."""
+        starts: dict[int, list[FloatArray]] = {}
+        open_ones = [number for number in range(len(self.hypotheses)) if self._is_open(stage, number)]
+        base = self._quadratic(stage.linearisation, stage.nothing_more.theta)
+        for number in self._top(stage.linear, open_ones, FROM_BASE):
+            starts.setdefault(number, []).append(self._linear_start(base, stage, number))
+        if saturated is not None:
+            quadratic = self._quadratic(saturated, saturated.theta)
+            linear = linear_evidence(self.problem, quadratic, self.hypotheses, stage.accepted)
+            for number in self._top(linear, open_ones, FROM_SATURATED):
+                starts.setdefault(number, []).append(self._linear_start(quadratic, stage, number))
+        for number, start in self._grid(stage, open_ones):
+            starts.setdefault(number, []).append(start)
+        return [Candidate(self.hypotheses[number], tuple(points)) for number, points in starts.items()]
+
+    def refit(self, stage: Stage, candidates: Sequence[Candidate]) -> Stage:
+        """Refit the candidates, restart "nothing more" from the best one's solution, and score all against it."""
+        fits = {candidate.hypothesis: self._refit_one(stage, candidate) for candidate in candidates}
+        if not fits:
+            return stage
+        winner = min(fits.values(), key=lambda one: one[0].cost)
+        stage = self._restart(stage, winner[0], winner[2])
+        stage.refits = [
+            Refit(hypothesis, fit, self._score(stage, hypothesis, fit, parts), parts)
+            for hypothesis, (fit, parts, _) in fits.items()
+        ]
+        return stage
+
+    def fit_set(self, chosen: Sequence[Hypothesis], linearisation: Linearisation, start: FloatArray) -> Fit:
+        """Fit with these hypotheses present, from ``start``."""
+        widths = self.problem.priors.widths(present_columns(chosen))
+        return self.problem.fit(linearisation, widths, _with_values(start, chosen), fixed_columns(chosen))
+
+    def _refit_one(self, stage: Stage, candidate: Candidate) -> tuple[Fit, list[Quadratic], list[int]]:
+        """Best fit over the starts by chords, then again with fresh columns where it counts."""
+        chosen = (*stage.accepted, candidate.hypothesis)
+        best = min((self.fit_set(chosen, stage.linearisation, start) for start in candidate.starts), key=_cost)
+        columns = self._related(stage.linearisation, candidate.hypothesis, stage.accepted)
+        linearisation = self.problem.refreshed(stage.linearisation, best.theta, columns)
+        fit = self.fit_set(chosen, linearisation, best.theta)
+        return fit, self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta), columns
+
+    def _restart(self, stage: Stage, winner: Fit, columns: Sequence[int]) -> Stage:
+        """Fit "nothing more" from the winner's solution too: a better optimum found only there is no evidence."""
+        fresh = self.problem.refreshed(stage.linearisation, winner.theta, columns)
+        again = self.fit_set(stage.accepted, fresh, winner.theta)
+        again = min(again, self.fit_set(stage.accepted, stage.linearisation, again.theta), key=_cost)
+        if again.cost < stage.nothing_more.cost:
+            stage.nothing_more = again
+        return stage
+
+    def _score(self, stage: Stage, hypothesis: Hypothesis, fit: Fit, parts: Sequence[Quadratic]) -> float:
+        """Laplace log Bayes factor; both curvatures at the hypothesis' own solution, so only its columns count."""
+        nothing = self.set_cost(stage.accepted, stage.nothing_more)
+        chosen = (*stage.accepted, hypothesis)
+        gained = -0.5 * (self.set_cost(chosen, fit) - nothing)
+        return gained + self.occam(hypothesis, stage.accepted, total(parts))
+
+    def set_cost(self, chosen: Sequence[Hypothesis], fit: Fit) -> float:
+        """Cost of a fit; a value that a discrete hypothesis states is not estimated and pays no prior."""
+        stated = [column for column in fixed_columns(chosen) if column in fit.fixed]
+        prior = ((fit.theta - self.problem.priors.centre) / fit.widths)[stated]
+        return fit.cost - float(np.sum(prior**2))
+
+    def occam(self, hypothesis: Hypothesis, others: Sequence[Hypothesis], quadratic: Quadratic) -> float:
+        """Log determinant part of the evidence of a hypothesis beside the others."""
+        if hypothesis.value is not None:
+            return 0.0
+        nuisance = ratios(self.problem, others)
+        _, information = quadratic.projected(nuisance)
+        columns = list(hypothesis.columns)
+        added = np.maximum(1.0 - nuisance[columns] ** 2, 0.0)
+        return widening(np.zeros(len(columns)), information[np.ix_(columns, columns)], added)
+
+    def _quadratic(self, linearisation: Linearisation, theta: FloatArray) -> Quadratic:
+        return self.problem.quadratic(linearisation, self.problem.rows(theta), theta)
+
+    def _is_open(self, stage: Stage, number: int) -> bool:
+        taken = {hypothesis.effect for hypothesis in stage.accepted}
+        return self.hypotheses[number].effect not in taken
+
+    def _top(self, evidence: FloatArray, open_ones: Sequence[int], count: int) -> list[int]:
+        """Best hypotheses of the ``count`` best effects."""
+        best: dict[int, int] = {}
+        for number in sorted(open_ones, key=lambda one: -evidence[one]):
+            best.setdefault(self.hypotheses[number].effect, number)
+        return list(best.values())[:count]
+
+    def _linear_start(self, quadratic: Quadratic, stage: Stage, number: int) -> FloatArray:
+        mean, _ = quadratic.posterior(ratios(self.problem, (*stage.accepted, self.hypotheses[number])))
+        return self.problem.priors.centre + self.problem.scale * mean
+
+    def _grid(self, stage: Stage, open_ones: Sequence[int]) -> list[tuple[int, FloatArray]]:
+        """Best grid points of the best effects: one replay per point, the other columns moved by their chords."""
+        singles = [number for number in open_ones if len(self.hypotheses[number].columns) == 1]
+        found: dict[int, tuple[float, FloatArray]] = {}
+        for number in singles:
+            column = self.hypotheses[number].columns[0]
+            widths = self.problem.priors.widths(present_columns((*stage.accepted, self.hypotheses[number])))
+            for multiple in GRID:
+                theta = stage.nothing_more.theta.copy()
+                theta[column] = self.problem.priors.centre[column] + multiple * self.problem.scale[column]
+                if not self.problem.priors.low[column] <= theta[column] <= self.problem.priors.high[column]:
+                    continue
+                cost, start = self._grid_point(stage, theta, widths, column)
+                if cost < found.get(number, (np.inf,))[0]:
+                    found[number] = (cost, start)
+        best = sorted(found, key=lambda number: found[number][0])
+        chosen = self._top(
+            np.array([-found[n][0] if n in found else -np.inf for n in range(len(self.hypotheses))]), best, FROM_GRID
+        )
+        return [(number, found[number][1]) for number in chosen]
+
+    def _grid_point(self, stage: Stage, theta: FloatArray, widths: FloatArray, column: int) -> tuple[float, FloatArray]:
+        """Cost expected after one step of all columns from a grid point, and the point it leads to."""
+        rows = self.problem.rows(theta)
+        quadratic = self.problem.quadratic(stage.linearisation, rows, theta)
+        held = np.ones(len(theta), dtype=bool)
+        held[column] = False
+        precision = (widths / self.problem.scale) ** -2.0
+        scaled = self.problem.scaled(theta)
+        gradient = quadratic.score - quadratic.information @ scaled - precision * scaled
+        chosen = np.flatnonzero(held)
+        curvature = quadratic.information[np.ix_(chosen, chosen)] + np.diag(precision[chosen])
+        step = np.linalg.solve(curvature, gradient[chosen])
+        start = theta.copy()
+        start[chosen] += step * self.problem.scale[chosen]
+        return self.problem.cost(rows, theta, widths) - float(gradient[chosen] @ step), start
+
+    def _related(
+        self, linearisation: Linearisation, hypothesis: Hypothesis, accepted: Sequence[Hypothesis]
+    ) -> list[int]:
+        """Columns to compute anew for a refit: its own, the accepted ones and those that look most like its own."""
+        own = present_columns((*accepted, hypothesis))
+        information = linearisation.information
+        size = np.sqrt(np.maximum(np.diag(information), 1e-300))
+        widths = self.problem.priors.widths(own) / self.problem.scale
+        alike = np.zeros(len(size))
+        for column in hypothesis.columns:
+            alike = np.maximum(
+                alike, np.abs(information[column]) / (size * size[column]) * np.minimum(1.0, widths * size)
+            )
+        order = [int(column) for column in np.argsort(-alike) if int(column) not in own]
+        return sorted([*own, *order[:CORRELATED_NUISANCES]])

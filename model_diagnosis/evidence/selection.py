@@ -1,0 +1,211 @@
+"""Forward selection of effects with dropping and swapping.
+
+Source: model discrepancy anchor, section 3.6: accept the best effect above the threshold, at most three; after each try
+to drop and to swap every accepted one; the effect must also lower BIC_eff and predict manoeuvres it was not fitted to.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.evidence.checks import LeaveOneOut, effective_bic, leave_one_out
+from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
+from model_diagnosis.evidence.hypotheses import Hypothesis
+from model_diagnosis.evidence.quadratic import Quadratic
+from model_diagnosis.evidence.search import Candidate, Refit, Search, Stage, ratios
+
+FloatArray = NDArray[np.float64]
+
+MAXIMUM_EFFECTS = 3
+SWAPS_TRIED = 2
+
+
+@dataclass
+class Accepted:
+    """An accepted effect with the evidence for it beside the other accepted ones.
+
+    Attributes
+    ----------
+    evidence : log Bayes factor against the same answer without it
+    bic_change : BIC_eff with it minus without
+    """
+
+    hypothesis: Hypothesis
+    evidence: float
+    bic_change: float
+    held_out: LeaveOneOut
+
+
+@dataclass
+class Selection:
+    """What the forward selection ended with.
+
+    Attributes
+    ----------
+    accepted : at most three
+    fit, linearisation : at the answer
+    nothing : "nothing is wrong", after it was restarted from every winner
+    stages : linear evidence and refits of every step
+    left : largest evidence of what was not accepted any more
+    decisions : what was accepted, dropped, swapped or refused, in words
+    """
+
+    accepted: list[Accepted]
+    fit: Fit
+    linearisation: Linearisation
+    nothing: Fit
+    stages: list[Stage]
+    left: float
+    decisions: list[str] = field(default_factory=list)
+
+
+class Selector:
+    """Runs the forward selection of one search."""
+
+    def __init__(self, search: Search, needed: float, tell: Callable[[str, float], None] | None = None) -> None:
+        self.search = search
+        self.problem: Problem = search.problem
+        self.needed = needed
+        self.decisions: list[str] = []
+        self.tell = tell or (lambda _step, _share: None)
+
+    def run(self, nothing: Fit, at_nothing: Linearisation, saturated: Linearisation | None = None) -> Selection:
+        """Select from the base fit on; ``saturated`` gives further candidates to the first step."""
+        chosen: list[Hypothesis] = []
+        fit, linearisation = nothing, at_nothing
+        stages: list[Stage] = []
+        left = -np.inf
+        for step in range(MAXIMUM_EFFECTS + 1):
+            self.tell(f"effect {step + 1}", step / (MAXIMUM_EFFECTS + 1))
+            stage = self.search.stage(chosen, fit, linearisation)
+            stage = self.search.refit(stage, self.search.candidates(stage, saturated if step == 0 else None))
+            stages.append(stage)
+            if step == 0:
+                nothing = stage.nothing_more
+            fit = stage.nothing_more
+            best = self._acceptable(stage)
+            left = stage.best.evidence if stage.best else -np.inf
+            if best is None or step == MAXIMUM_EFFECTS:
+                break
+            chosen = [*chosen, best.hypothesis]
+            self.decisions.append(f"accepted {self.name(best.hypothesis)}, log Bayes factor {best.evidence:.1f}")
+            fit, linearisation = self._polish(best.fit)
+            if len(chosen) > 1:
+                chosen, fit, linearisation = self._drop_and_swap(chosen, fit, linearisation, stages)
+        accepted = [self._judged(chosen, hypothesis, fit, linearisation, nothing) for hypothesis in chosen]
+        return Selection(accepted, fit, linearisation, nothing, stages, left, self.decisions)
+
+    def name(self, hypothesis: Hypothesis) -> str:
+        """Readable name: the effect's, with the parameter where only one of several is present."""
+        effect = self.problem.replay.effects[hypothesis.effect]
+        columns = [self.problem.replay.columns[column] for column in hypothesis.columns]
+        return columns[0] if len(columns) == 1 and len(effect.parameters) > 1 else effect.name
+
+    def _acceptable(self, stage: Stage) -> Refit | None:
+        """Best refit that passes threshold, BIC_eff and the held-out check."""
+        for refit in sorted(stage.refits, key=lambda one: -one.evidence):
+            if refit.evidence <= self.needed:
+                return None
+            if self._bic_change(refit.fit, stage.nothing_more, refit.hypothesis) >= 0.0:
+                self.decisions.append(f"refused {self.name(refit.hypothesis)}: BIC_eff does not fall")
+                continue
+            check = leave_one_out(
+                refit.parts,
+                ratios(self.problem, stage.accepted),
+                refit.hypothesis.columns,
+                self.problem.scaled(refit.fit.theta),
+            )
+            if not check.passed:
+                self.decisions.append(
+                    f"refused {self.name(refit.hypothesis)}: it does not predict the manoeuvres left out "
+                    f"(sum {check.differences.sum():.1f}, worst {check.differences.min():.1f})"
+                )
+                continue
+            return refit
+        return None
+
+    def _polish(self, fit: Fit) -> tuple[Fit, Linearisation]:
+        """Fresh sensitivities at the accepted solution and the fit with them."""
+        linearisation = self.problem.linearise(fit.theta)
+        return self.problem.fit(linearisation, fit.widths, fit.theta, fit.fixed), linearisation
+
+    def _drop_and_swap(
+        self, chosen: list[Hypothesis], fit: Fit, linearisation: Linearisation, stages: Sequence[Stage]
+    ) -> tuple[list[Hypothesis], Fit, Linearisation]:
+        """Drop accepted effects that the others made needless; swap one for the best rejected ones."""
+        for hypothesis in list(chosen):
+            rest = [one for one in chosen if one is not hypothesis]
+            without = self.search.fit_set(rest, linearisation, fit.theta)
+            evidence = self._set_evidence(chosen, fit, linearisation) - self._set_evidence(rest, without, linearisation)
+            if len(rest) and evidence <= self.needed:
+                self.decisions.append(f"dropped {self.name(hypothesis)}: only {evidence:.1f} beside the others")
+                chosen = rest
+                fit, linearisation = self._polish(without)
+        for hypothesis in list(chosen):
+            rest = [one for one in chosen if one is not hypothesis]
+            for candidate in self._rejected(chosen, stages):
+                trial = [*rest, candidate.hypothesis]
+                swapped = min(
+                    (self.search.fit_set(trial, linearisation, start) for start in (*candidate.starts, fit.theta)),
+                    key=lambda one: one.cost,
+                )
+                gained = self._set_evidence(trial, swapped, linearisation) - self._set_evidence(
+                    chosen, fit, linearisation
+                )
+                if gained > 0.0:
+                    self.decisions.append(
+                        f"swapped {self.name(hypothesis)} for {self.name(candidate.hypothesis)}: {gained:.1f} better"
+                    )
+                    chosen = trial
+                    fit, linearisation = self._polish(swapped)
+                    break
+        return chosen, fit, linearisation
+
+    def _rejected(self, chosen: Sequence[Hypothesis], stages: Sequence[Stage]) -> list[Candidate]:
+        """Best refits of all steps that are not accepted."""
+        taken = {hypothesis.effect for hypothesis in chosen}
+        found: dict[int, Refit] = {}
+        for stage in stages:
+            for refit in stage.refits:
+                effect = refit.hypothesis.effect
+                if effect not in taken and (effect not in found or refit.evidence > found[effect].evidence):
+                    found[effect] = refit
+        best = sorted(found.values(), key=lambda refit: -refit.evidence)[:SWAPS_TRIED]
+        return [Candidate(refit.hypothesis, (refit.fit.theta,)) for refit in best]
+
+    def _set_evidence(self, chosen: Sequence[Hypothesis], fit: Fit, linearisation: Linearisation) -> float:
+        """Log evidence of a set of effects up to a constant, the Occam factors from one linearisation."""
+        quadratic = Quadratic(linearisation.information, np.zeros(len(self.problem.scale)))
+        factors = sum(
+            self.search.occam(hypothesis, chosen[:number], quadratic) for number, hypothesis in enumerate(chosen)
+        )
+        return -0.5 * self.search.set_cost(chosen, fit) + factors
+
+    def _bic_change(self, fit: Fit, without: Fit, hypothesis: Hypothesis) -> float:
+        samples = self.effective_samples(fit.theta)
+        free = 0 if hypothesis.value is not None else len(hypothesis.columns)
+        # the nominal scatter is data too: without it "nothing" would fit as well as any effect
+        return effective_bic(fit.cost, free, samples) - effective_bic(without.cost, 0, samples)
+
+    def effective_samples(self, theta: FloatArray) -> float:
+        """N_eff: rows over the temperature."""
+        return sum(len(row) for row in self.problem.rows(theta)) / self.problem.whitener.temperature
+
+    def _judged(
+        self, chosen: Sequence[Hypothesis], hypothesis: Hypothesis, fit: Fit, linearisation: Linearisation, nothing: Fit
+    ) -> Accepted:
+        """Evidence of one accepted effect beside the others, with its checks."""
+        rest = [one for one in chosen if one is not hypothesis]
+        without = self.search.fit_set(rest, linearisation, fit.theta)
+        if not rest and nothing.cost < without.cost:
+            without = nothing
+        evidence = self._set_evidence(chosen, fit, linearisation) - self._set_evidence(rest, without, linearisation)
+        parts = self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta)
+        return Accepted(
+            hypothesis,
+            evidence,
+            self._bic_change(fit, without, hypothesis),
+            leave_one_out(parts, ratios(self.problem, rest), hypothesis.columns, self.problem.scaled(fit.theta)),
+        )
