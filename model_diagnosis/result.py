@@ -70,6 +70,9 @@ class SignalGain(Part):
     high: float
     unit: str
     noise_floor: float
+    share: float | None = Field(default=None, description="(E0 - E1)/(E0 - N) of squared errors and noise variance")
+    share_low: float | None = None
+    share_high: float | None = None
 
 
 class OverallGain(Part):

@@ -61,13 +61,34 @@ WheelVariable = Literal[
 CAR_VARIABLES: tuple[str, ...] = get_args(CarVariable)
 WHEEL_VARIABLES: tuple[str, ...] = get_args(WheelVariable)
 VARIABLES = CAR_VARIABLES + WHEEL_VARIABLES
-VARIABLE_UNITS = dict(
-    zip(
-        VARIABLES,
-        ["m/s", "m/s", "rad/s", "m/s^2", "m/s^2", "rad", "rad", "rad", "s", "m", "rad/s", "rad", "rad/s", "1", "rad", "m/s", "N", "N", "N", "m", "N m", "N m", "Pa", "degC", "J", "degC"],
-        strict=True,
-    )
-)
+VARIABLE_UNITS: dict[str, str] = {
+    "speed": "m/s",
+    "lateral_speed": "m/s",
+    "yaw_rate": "rad/s",
+    "longitudinal_acceleration": "m/s^2",
+    "lateral_acceleration": "m/s^2",
+    "steering_wheel_angle": "rad",
+    "roll_angle": "rad",
+    "pitch_angle": "rad",
+    "time": "s",
+    "distance": "m",
+    "wheel_speed": "rad/s",
+    "wheel_angle": "rad",
+    "axle_speed_difference": "rad/s",
+    "slip_ratio": "1",
+    "slip_angle": "rad",
+    "sliding_speed": "m/s",
+    "vertical_load": "N",
+    "longitudinal_force": "N",
+    "lateral_force": "N",
+    "suspension_travel": "m",
+    "brake_torque": "N m",
+    "drive_torque": "N m",
+    "brake_pressure": "Pa",
+    "brake_disc_temperature": "degC",
+    "stop_energy": "J",
+    "tyre_temperature": "degC",
+}
 
 Wheels = Literal["all", "front", "rear", "left", "right", "fl", "fr", "rl", "rr"]
 WHEELS_OF: dict[str, tuple[int, ...]] = {

@@ -18,12 +18,14 @@ from signals.yaml_files import Document, load_yaml, overlay, validate, walk
 from vehicle_model import parameters
 from vehicle_model.actuation_file import Brakes, Driveline, Hydraulics
 from vehicle_model.body_file import Aerodynamics, Axles, Body, Steering, Wheels
-from vehicle_model.extension_terms_file import Term, Terms
+from vehicle_model.extension_file import Extension
+from vehicle_model.extension_terms_file import MOST_TERMS, Terms
 from vehicle_model.mass_check import check_masses
 from vehicle_model.parameters import ParameterInfo
 from vehicle_model.reference.planar_file import Planar
 from vehicle_model.reference.steered_track_file import SteeredTrackSection
 from vehicle_model.reference.two_track_file import TwoTrackSection
+from vehicle_model.reference.two_wheeler_file import TwoWheelerSection
 from vehicle_model.sensors_file import Sensors
 from vehicle_model.suspension_file import Suspension
 from vehicle_model.tyres.tyre_file import TirTyre, TyreFile, TyrePair
@@ -45,18 +47,10 @@ _SECTIONS = (
     "planar",
     "two_track",
     "steered_track",
+    "two_wheeler",
     "tyres",
     "terms",
 )
-
-
-class Extension(FileModel):
-    """An effect that measured data showed, as parameters of this file by dotted path."""
-
-    effect: str
-    parameters: dict[str, float | str] = Field(default_factory=dict)
-    terms: list[Term] = Field(default_factory=list, description="added to the car's stack of terms")
-    evidence: str = ""
 
 
 class Scatter(FileModel):
@@ -86,6 +80,7 @@ class VehicleFile(FileModel):
     planar: Planar = Planar()
     two_track: TwoTrackSection = TwoTrackSection()
     steered_track: SteeredTrackSection = SteeredTrackSection()
+    two_wheeler: TwoWheelerSection = TwoWheelerSection()
     tyres: TyrePair | str
     terms: Terms = Terms()
     extensions: list[Extension] = Field(default_factory=list)
@@ -174,10 +169,31 @@ def load_vehicle(name_or_path: str | Path) -> VehicleFile:
         document.data["tyres"] = {"front": tyres.front, "rear": tyres.rear}
     vehicle = validate(document, VehicleFile)
     _check_tir_files(document, ("tyres",), vehicle.tyre_pair)
-    for extension in vehicle.extensions:
-        for target, value in extension.parameters.items():
-            set_parameter(vehicle, target, value)
+    _apply_extensions(document, vehicle)
     return vehicle
+
+
+def _apply_extensions(document: Document, vehicle: VehicleFile) -> None:
+    """Set the parameters and stack the terms of the extensions, in their order: a later one acts on an earlier one."""
+    faults = []
+    for number, extension in enumerate(vehicle.extensions):
+        for target, value in extension.parameters.items():
+            try:
+                set_parameter(vehicle, target, value)
+            except InputError as error:
+                place = ("extensions", number, "parameters", target)
+                faults.append(
+                    document.fault(
+                        place, error.message, found=error.found, allowed=error.allowed, nearest=error.nearest
+                    )
+                )
+        vehicle.terms.stack.extend(term.model_copy(deep=True) for term in extension.terms)
+    if faults:
+        raise FileFaults(faults, document.file)
+    if len(vehicle.terms.stack) > MOST_TERMS:
+        count = len(vehicle.terms.stack)
+        fault = document.fault(("extensions",), "too many terms", found=str(count), allowed=f"at most {MOST_TERMS}")
+        raise FileFaults([fault], document.file)
 
 
 def load_tyres(name_or_path: str | Path) -> TyrePair:
@@ -259,6 +275,7 @@ def _laid_over(base: Document, change: Document) -> Document:
     """``change`` on ``base``; a source that the base gives for a value that changed is dropped."""
     result = overlay(base, change)
     if isinstance(base.data, dict):
+        _stack_extensions(result, base, change)
         changed = {".".join(map(str, path)) for path, _ in walk(change.data)}
         kept = {
             path: text
@@ -267,6 +284,22 @@ def _laid_over(base: Document, change: Document) -> Document:
         }
         result.data["sources"] = kept | change.data.get("sources", {})
     return result
+
+
+def _stack_extensions(result: Document, base: Document, change: Document) -> None:
+    """Extensions of the file that is extended stand before those of the file that extends it."""
+    before, after = base.data.get("extensions"), change.data.get("extensions")
+    if not (isinstance(before, list) and isinstance(after, list)):
+        return
+    result.data["extensions"] = before + after
+    for places, old, new in (
+        (result.keys, base.keys, change.keys),
+        (result.values, base.values, change.values),
+    ):
+        places.update({path: place for path, place in old.items() if path[:1] == ("extensions",)})
+        for path, place in new.items():
+            if len(path) > 1 and path[0] == "extensions" and isinstance(path[1], int):
+                places[("extensions", path[1] + len(before), *path[2:])] = place
 
 
 def _read_tyres(path: Path, document: Document) -> TyreFile:
