@@ -144,6 +144,7 @@ def test_real_time_with_an_ecu_that_somebody_else_started(tmp_path: Path) -> Non
     with running(sys.executable, *arguments, env=ENVIRONMENT), candump(tmp_path / "log"):
         run = realtime(tmp_path / "run", STOP, "--ecu", "external", "--set", f"ecu.first_answer={PATIENCE_S} s")
         _, errors = run.communicate(timeout=PATIENCE_S)
+    assert run.returncode in (0, 3), errors
     verdict = json.loads((tmp_path / "run" / "verdict.json").read_text())
     assert not verdict.get("errors"), errors
     # a slow kernel may be late too often
