@@ -1,10 +1,12 @@
 """One manoeuvre of measured data as the diagnosis sees it: equal steps, SI units, a weight for each sample."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+
+from model_diagnosis.result import DataFault
 
 FloatArray = NDArray[np.float64]
 
@@ -21,6 +23,9 @@ class Manoeuvre:
     channels : catalogue name -> (n,) array in the catalogue's unit (finite everywhere)
     weights : catalogue name -> (n,) array; 0 where the sample is missing, held or invalid, else 1
     source : file and stretch it was cut from, for messages
+    origins : catalogue name -> "<logger>" or "<logger>:<CAN message>" that the channel came with
+    start_s : the log's own time of the first sample [s], from the drive's begin
+    reading_faults : what was wrong with the samples before they were put on this time base
     """
 
     name: str
@@ -28,6 +33,9 @@ class Manoeuvre:
     channels: Mapping[str, FloatArray]
     weights: Mapping[str, FloatArray]
     source: str
+    origins: Mapping[str, str] = field(default_factory=dict)
+    start_s: float = 0.0
+    reading_faults: tuple[DataFault, ...] = ()
 
     @property
     def samples(self) -> int:

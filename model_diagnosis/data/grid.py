@@ -1,0 +1,93 @@
+"""Samples of any rate on the common time base, with a weight that says which of them are measurements."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from model_diagnosis.data.sample_values import fresh_values
+from model_diagnosis.data.samples import BoolArray, FloatArray, Samples
+from model_diagnosis.manoeuvre import SAMPLE_TIME_S
+from signals.errors import InputError
+from signals.measured.measured_log import is_stepped
+
+_FAST_PERIOD_S = 1.5 * SAMPLE_TIME_S
+_FINE_PERIOD_S = 0.5 * SAMPLE_TIME_S
+_SHORT_COVER = 0.5
+
+
+def on_grid(
+    channels: Mapping[str, Samples],
+) -> tuple[FloatArray, dict[str, FloatArray], dict[str, FloatArray]]:
+    """Every channel in equal steps of ``SAMPLE_TIME_S`` over the time that they share.
+
+    Fast channels (period below 5 ms) are averaged over a step, others interpolated. A sample of the time base has
+    weight 1 where it lies between neighbouring measurements of a channel of its own rate or faster, or within half a
+    step of a measurement of a slower one.
+
+    Returns
+    -------
+    time (n,) [s] on the logs' clock, values and weights by name, (n,) each
+
+    Raises
+    ------
+    InputError
+        If the channels share no time.
+    """
+    usable = {name: channel for name, channel in channels.items() if len(fresh_values(channel)[0]) > 1}
+    if not usable:
+        raise InputError("no channel of the map holds two numbers")
+    begin, end = _shared_time(usable)
+    time: FloatArray = begin + SAMPLE_TIME_S * np.arange(
+        int((end - begin) / SAMPLE_TIME_S + 1e-6) + 1, dtype=np.float64
+    )
+    values: dict[str, FloatArray] = {}
+    weights: dict[str, FloatArray] = {}
+    for name, channel in usable.items():
+        stamps, numbers = fresh_values(channel)
+        values[name] = _values(name, stamps, numbers, time)
+        weights[name] = _weights(stamps, channel.period_s(), time, stepped=is_stepped(name))
+    return time, values, weights
+
+
+def _shared_time(channels: Mapping[str, Samples]) -> tuple[float, float]:
+    """Time covered by all channels but those that cover less than half of what the longest covers."""
+    spans = {name: fresh_values(channel)[0][[0, -1]] for name, channel in channels.items() if not is_stepped(name)}
+    spans = spans or {name: fresh_values(channel)[0][[0, -1]] for name, channel in channels.items()}
+    longest = max(float(span[1] - span[0]) for span in spans.values())
+    long_ones = {name: span for name, span in spans.items() if span[1] - span[0] >= _SHORT_COVER * longest}
+    latest = max(long_ones, key=lambda name: float(long_ones[name][0]))
+    earliest = min(long_ones, key=lambda name: float(long_ones[name][1]))
+    begin, end = float(spans[latest][0]), float(spans[earliest][1])
+    if end - begin < 2.0 * SAMPLE_TIME_S:
+        raise InputError(
+            f"no time is covered by all channels: {channels[earliest].source!r} of {channels[earliest].logger} ends at "
+            f"{end:.3f} s, {channels[latest].source!r} of {channels[latest].logger} begins at {begin:.3f} s"
+        )
+    return begin, end
+
+
+def _values(name: str, stamps: FloatArray, numbers: FloatArray, time: FloatArray) -> FloatArray:
+    if is_stepped(name):
+        row = np.searchsorted(stamps, time + 1e-6, side="right") - 1
+        held: FloatArray = numbers[np.maximum(row, 0)]
+        return held
+    interpolated = np.interp(time, stamps, numbers)
+    if float(np.median(np.diff(stamps))) > _FINE_PERIOD_S:
+        return interpolated
+    edges = np.searchsorted(stamps, np.concatenate((time - 0.5 * SAMPLE_TIME_S, time[-1:] + 0.5 * SAMPLE_TIME_S)))
+    counts = np.diff(edges)
+    sums = np.add.reduceat(np.concatenate((numbers, [0.0])), np.minimum(edges[:-1], len(numbers)))
+    return np.where(counts > 0, sums / np.maximum(counts, 1), interpolated)
+
+
+def _weights(stamps: FloatArray, period: float, time: FloatArray, *, stepped: bool) -> FloatArray:
+    row = np.clip(np.searchsorted(stamps, time), 1, len(stamps) - 1)
+    before, after = stamps[row - 1], stamps[row]
+    inside = (time >= stamps[0] - 0.5 * SAMPLE_TIME_S) & (time <= stamps[-1] + 0.5 * SAMPLE_TIME_S)
+    if stepped:
+        return np.where(inside, 1.0, 0.0)
+    near: BoolArray = np.minimum(np.abs(time - before), np.abs(after - time)) <= 0.5 * SAMPLE_TIME_S - 1e-9
+    if period > _FAST_PERIOD_S:
+        return np.where(inside & near, 1.0, 0.0)
+    between = after - before <= 2.2 * max(period, SAMPLE_TIME_S / 2.0)
+    return np.where(inside & (between | near), 1.0, 0.0)

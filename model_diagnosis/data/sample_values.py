@@ -1,0 +1,239 @@
+"""Checks of one channel's values by themselves: wraps, holds, stuck and clipped stretches.
+
+A check names a fault only where chance cannot explain it; what it finds is repaired (unwrapped) or masked.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from model_diagnosis.data.sample_timing import NAMED_LOSS, SampleCheck
+from model_diagnosis.data.samples import BoolArray, FloatArray, Samples
+from model_diagnosis.result import DataFault
+from signals.measured.measured_log import is_stepped
+
+CHANCE = 1e-9
+"""Probability below which a stretch of equal samples is no coincidence."""
+_MIN_SAMPLES = 50
+_MOTION = ("wheel_speed_", "speed", "lateral_speed", "longitudinal_acceleration", "lateral_acceleration", "yaw_rate")
+_RATES = ("roll_rate", "pitch_rate", "vertical_acceleration", "side_slip_angle")
+_STUCK_S = 0.2
+_CONTEXT_S = 1.0
+
+
+def is_motion(name: str) -> bool:
+    """True for what a moving car's sensors read, which never stays exactly equal for long."""
+    return name.startswith(_MOTION) or name in _RATES
+
+
+@dataclass(frozen=True)
+class Runs:
+    """Stretches of equal neighbouring values among the samples that carry a number."""
+
+    start: FloatArray
+    length: FloatArray
+    value: FloatArray
+
+
+def _runs(values: FloatArray) -> Runs:
+    change = np.flatnonzero(np.diff(values) != 0.0) + 1
+    start = np.concatenate(([0], change))
+    length = np.diff(np.concatenate((start, [len(values)])))
+    return Runs(start.astype(np.float64), length.astype(np.float64), values[start])
+
+
+def resolution(values: FloatArray) -> float:
+    """Smallest step between two different neighbouring values, 0 where there is none."""
+    steps = np.abs(np.diff(values))
+    steps = steps[steps > 0.0]
+    return float(np.percentile(steps, 0.5)) if len(steps) else 0.0
+
+
+def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
+    """Unwrap a counter: jumps that all have one size, far above any other step, with the trend going on across them."""
+    if is_stepped(channel.name):
+        return channel, []
+    rows = np.flatnonzero(channel.valid)
+    values = channel.values[rows]
+    if len(values) < _MIN_SAMPLES:
+        return channel, []
+    steps = np.diff(values)
+    span = float(np.ptp(values))
+    jumps = np.flatnonzero(np.abs(steps) > 0.6 * span)
+    usual = float(np.percentile(np.abs(np.delete(steps, jumps)), 99.0)) if len(jumps) < len(steps) else 0.0
+    if span == 0.0 or not len(jumps) or len(jumps) > len(steps) // 10 or span < 20.0 * usual:
+        return channel, []
+    if np.any(np.diff(jumps) <= 2):
+        return channel, []  # there and back at once: a spike
+    trend = np.array([_trend(steps, int(k), set(jumps.tolist())) for k in jumps])
+    sizes = np.abs(steps[jumps] - trend)
+    wrap = float(np.median(sizes))
+    if np.max(np.abs(sizes - wrap)) > max(4.0 * usual, 0.02 * wrap):
+        return channel, []
+    turns = np.zeros(len(values))
+    turns[1:][jumps] = -np.sign(steps[jumps])
+    repaired = channel.values.copy()
+    repaired[rows] = values + wrap * np.cumsum(turns)
+    message = f"{channel.name} wraps {len(jumps)} times by {wrap:.6g} {channel.unit}; unwrapped"
+    return channel.with_values(repaired), [
+        DataFault(
+            kind="counter_wrap", channel=channel.name, value=wrap, unit=channel.unit, repaired=True, message=message
+        )
+    ]
+
+
+def _trend(steps: FloatArray, jump: int, jumps: set[int]) -> float:
+    near = [k for k in range(jump - 3, jump + 4) if 0 <= k < len(steps) and k not in jumps]
+    return float(np.median(steps[near])) if near else 0.0
+
+
+def check_periodic_hold(channel: Samples) -> tuple[Samples, list[DataFault]]:
+    """Mask all but the fresh samples of a slower sensor that was written at the log's rate (held GNSS)."""
+    rows = np.flatnonzero(channel.valid)
+    if len(rows) < _MIN_SAMPLES or is_stepped(channel.name):
+        return channel, []
+    values = channel.values[rows]
+    runs = _runs(values)
+    inner = runs.length[1:-1]
+    if len(inner) < 10:
+        return channel, []
+    # stretches where the signal rests are not of the pattern: they hold whole multiples of it
+    held = float(np.median(inner))
+    if held < 2.0 or np.mean(np.abs(inner - held) <= max(1.0, 0.15 * held)) < 0.8 or _is_slow_quantised(runs, values):
+        return channel, []
+    fresh = np.zeros(len(values), dtype=bool)
+    fresh[runs.start.astype(int)] = True
+    stale = np.zeros(len(channel.values), dtype=bool)
+    stale[rows[~fresh]] = True
+    period = held * channel.period_s()
+    kind = "gps_hold" if channel.name in ("speed", "lateral_speed", "side_slip_angle") else "frame_drop_hold"
+    message = f"{channel.name} holds each value for {held:.0f} samples ({period:.3g} s); only fresh samples count"
+    return channel.masked(stale), [
+        DataFault(kind=kind, channel=channel.name, value=held, unit="samples", repaired=True, message=message)
+    ]
+
+
+def _is_slow_quantised(runs: Runs, values: FloatArray) -> bool:
+    """True where neighbouring values differ by one step of the resolution: a slow signal, no hold."""
+    steps = np.abs(np.diff(runs.value))
+    quantum = resolution(values)
+    return bool(
+        quantum > 0.0 and np.mean(steps < 1.5 * quantum) > 0.5 and len(np.unique(values)) < 0.5 * len(runs.value)
+    )
+
+
+def check_random_hold(channel: Samples) -> tuple[Samples, list[DataFault]]:
+    """Mask repeated samples of a moving signal: frames that were lost and filled with the value before.
+
+    While the signal moves by more than its resolution per sample, a step of zero is no likelier than the steps beside
+    it; the surplus of zeros is the share of held samples.
+    """
+    rows = np.flatnonzero(channel.valid)
+    if len(rows) < _MIN_SAMPLES or is_stepped(channel.name):
+        return channel, []
+    values = channel.values[rows]
+    steps = np.diff(values)
+    quantum = resolution(values)
+    half = 5
+    slope = np.zeros(len(steps))
+    slope[half : len(steps) - half] = np.abs(values[2 * half + 1 :] - values[: -2 * half - 1])[: len(steps) - 2 * half]
+    slope /= 2 * half + 1
+    moving = slope > max(1.5 * quantum if quantum > 1e-6 * np.ptp(values) else 0.0, 1e-4 * float(np.ptp(values)))
+    if np.sum(moving) < 2 * _MIN_SAMPLES or quantum == 0.0:
+        return channel, []
+    share = float(np.mean(steps[moving] == 0.0))
+    by_chance = _share_by_chance(steps[moving], quantum)
+    surplus = share - by_chance
+    spread = np.sqrt(max(share, 1.0 / len(steps)) / np.sum(moving))
+    if surplus < NAMED_LOSS or surplus < 5.0 * spread:
+        return channel, []
+    repeated = np.concatenate(([False], (steps == 0.0) & moving))
+    stale = np.zeros(len(channel.values), dtype=bool)
+    stale[rows[repeated]] = True
+    message = f"{channel.name}: {100.0 * surplus:.1f} % of the samples only repeat the one before; masked"
+    return channel.masked(stale), [
+        DataFault(
+            kind="frame_drop_hold",
+            channel=channel.name,
+            value=surplus,
+            unit="1",
+            evidence=float((surplus / spread) ** 2 / 2.0),
+            repaired=True,
+            message=message,
+        )
+    ]
+
+
+def _share_by_chance(steps: FloatArray, quantum: float) -> float:
+    """Share of the likeliest step near zero other than zero itself, in multiples of the resolution."""
+    multiples = np.round(steps / quantum)
+    return max(float(np.mean(multiples == k)) for k in (-3, -2, -1, 1, 2, 3))
+
+
+def check_stuck(channel: Samples) -> tuple[Samples, list[DataFault]]:
+    """Mask stretches where a noisy signal stays exactly equal: stuck, or clipped at the end of its range."""
+    rows = np.flatnonzero(channel.valid)
+    pressure = channel.name.startswith(("brake_pressure_", "master_pressure"))
+    if len(rows) < _MIN_SAMPLES or not (is_motion(channel.name) or pressure):
+        return channel, []
+    values = channel.values[rows]
+    runs = _runs(values)
+    context = max(10, round(_CONTEXT_S / max(channel.period_s(), 1e-3)))
+    shortest = max(8, round(_STUCK_S / max(channel.period_s(), 1e-3)))
+    long_runs = [int(k) for k in np.flatnonzero(runs.length >= shortest)]
+    stuck = [k for k in long_runs if _is_improbable(values, runs, k, context)]
+    if not stuck:
+        return channel, []
+    wrong = np.zeros(len(channel.values), dtype=bool)
+    for k in stuck:
+        begin = int(runs.start[k])
+        wrong[rows[begin + 1 : begin + int(runs.length[k])]] = True
+    clipped = [k for k in stuck if runs.value[k] in (values.max(), values.min())]
+    share = float(np.sum(wrong)) / len(rows)
+    if len(clipped) == len(stuck) and (len(clipped) > 1 or _enters_steeply(values, runs, clipped[0])):
+        limit = float(runs.value[clipped[0]])
+        message = f"{channel.name} is clipped at {limit:.6g} {channel.unit} in {100.0 * share:.1f} % of the samples"
+        fault = DataFault(
+            kind="saturated_channel", channel=channel.name, value=limit, unit=channel.unit, message=message
+        )
+    else:
+        seconds = float(np.sum(wrong)) * channel.period_s()
+        message = f"{channel.name} is stuck for {seconds:.3g} s in all; masked"
+        fault = DataFault(
+            kind="stuck_channel", channel=channel.name, value=seconds, unit="s", repaired=True, message=message
+        )
+    return channel.masked(wrong), [fault]
+
+
+def _is_improbable(values: FloatArray, runs: Runs, k: int, context: int) -> bool:
+    """True where equal neighbours are so rare before and after the stretch that chance cannot have made it."""
+    begin, length = int(runs.start[k]), int(runs.length[k])
+    if values[begin] == 0.0:
+        return False  # at rest, pedal released
+    before = np.diff(values[max(0, begin - context) : begin])
+    after = np.diff(values[begin + length : begin + length + context])
+    sides = [side for side in (before, after) if len(side) >= 10]
+    if not sides:
+        return False
+    for side in sides:
+        noise = np.mean(np.diff(side) != 0.0)
+        equal = max(float(np.mean(side == 0.0)), 1.0 / len(side))
+        if noise < 0.5 or (length - 1) * np.log(equal) > np.log(CHANCE):
+            return False
+    return True
+
+
+def _enters_steeply(values: FloatArray, runs: Runs, k: int) -> bool:
+    begin = int(runs.start[k])
+    entry = values[max(0, begin - 5) : begin + 1]
+    sign = 1.0 if runs.value[k] == values.max() else -1.0
+    return len(entry) > 3 and sign * (entry[-1] - entry[0]) > 3.0 * float(np.std(np.diff(values)))
+
+
+VALUE_CHECKS: tuple[SampleCheck, ...] = (check_wrap, check_periodic_hold, check_random_hold, check_stuck)
+
+
+def fresh_values(channel: Samples) -> tuple[FloatArray, FloatArray]:
+    """(time, values) of the samples that are measurements."""
+    fresh: BoolArray = channel.valid & np.isfinite(channel.values)
+    return channel.time[fresh], channel.values[fresh]

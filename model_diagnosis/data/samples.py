@@ -1,0 +1,126 @@
+"""Channels as logged: own time stamps, catalogue units, and the logger and message that they came with."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from signals.errors import InputError
+from signals.measured.channel_map import Channel, ChannelMap, channel_units
+from signals.measured.measured_log import detect_format, in_si, log_names, read_sources
+from signals.wheels import WHEELS
+from vehicle_model.vehicle_file import VehicleFile
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """One channel of one logger.
+
+    Attributes
+    ----------
+    name, unit : catalogue name and unit
+    time : (n,) on the logger's clock [s]
+    values : (n,) in ``unit``; NaN where the log has no number
+    valid : (n,) False where the sample is missing, held or otherwise not a measurement
+    source : column or Message.Signal
+    logger : file name
+    message : CAN message, "" where the log has none
+    """
+
+    name: str
+    unit: str
+    time: FloatArray
+    values: FloatArray
+    valid: BoolArray
+    source: str
+    logger: str
+    message: str = ""
+
+    @property
+    def origin(self) -> str:
+        """Logger, and message where there is one."""
+        return f"{self.logger}:{self.message}" if self.message else self.logger
+
+    def with_values(self, values: FloatArray) -> "Samples":
+        """The same samples with other values."""
+        return replace(self, values=values)
+
+    def masked(self, wrong: BoolArray) -> "Samples":
+        """The same with the samples of ``wrong`` (n,) marked as no measurement."""
+        return replace(self, valid=self.valid & ~wrong)
+
+    def period_s(self) -> float:
+        """Usual distance of two samples that carry a number [s]; 0 with fewer than two."""
+        steps = np.diff(self.time[np.isfinite(self.values)])
+        steps = steps[steps > 0.0]
+        return float(np.median(steps)) if len(steps) else 0.0
+
+
+def read_samples(path: str | Path, channel_map: ChannelMap, vehicle: VehicleFile) -> dict[str, Samples]:
+    """Every channel of the map that one log has, its faults left in.
+
+    Returns
+    -------
+    catalogue name -> samples, in the map's order; empty where the log has none of them
+
+    Raises
+    ------
+    InputError
+        If the log cannot be read.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such log")
+    if not channel_map.channels:
+        raise InputError(f"{path}: the channel map names no channel")
+    raw = read_sources(path, channel_map, missing_ok=True)
+    can_log = channel_map.dbc is not None or _kind(path, channel_map) in ("blf", "asc", "candump")
+    return {
+        name: _samples(path, name, channel, raw[channel.source], vehicle, can_log)
+        for name, channel in channel_map.channels.items()
+        if channel.source in raw
+    }
+
+
+def _kind(path: Path, channel_map: ChannelMap) -> str:
+    return detect_format(path) if channel_map.file_format == "auto" else channel_map.file_format
+
+
+def _samples(
+    path: Path,
+    name: str,
+    channel: Channel,
+    raw: tuple[FloatArray, FloatArray],
+    vehicle: VehicleFile,
+    can_log: bool,
+) -> Samples:
+    time, values = raw
+    wheel = name.removeprefix("wheel_speed_")
+    radius = float(getattr(vehicle.wheels, wheel).radius) if wheel in WHEELS else None
+    converted = in_si(path, name, channel, values, radius)
+    return Samples(
+        name=name,
+        unit=channel_units()[name],
+        time=time - channel.delay_s,
+        values=np.where(np.isfinite(converted), converted, np.nan),
+        valid=np.isfinite(converted),
+        source=channel.source,
+        logger=path.name,
+        message=channel.source.split(".", 1)[0] if can_log and "." in channel.source else "",
+    )
+
+
+def missing_channels(
+    paths: Sequence[str | Path], channel_map: ChannelMap, found: Sequence[str]
+) -> list[tuple[str, str, list[str]]]:
+    """(catalogue name, source, names that the logs have) for everything of the map that no log holds."""
+    missing = [(name, channel.source) for name, channel in channel_map.channels.items() if name not in found]
+    if not missing:
+        return []
+    names = list(dict.fromkeys(n for path in paths for n in log_names(Path(path), channel_map)))
+    return [(name, source, names) for name, source in missing]
