@@ -44,6 +44,7 @@ class Cause(Part):
     probability: float
     parameters: dict[str, ParameterEstimate]
     group: list[str] = Field(description="effects not distinguishable on this data, itself included")
+    group_probabilities: dict[str, float] = Field(default_factory=dict, description="probability of each of the group")
     equation: str
     evidence: float = Field(description="log Bayes factor against 'nothing'")
     remarks: list[str] = []

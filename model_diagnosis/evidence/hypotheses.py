@@ -60,7 +60,7 @@ def _discrete(effect: int, columns: Sequence[int], replay: ReplayModel) -> list[
     return [Hypothesis(effect, (column,), 1.0 / len(values), value) for column, value in values]
 
 
-def by_effect(hypotheses: Sequence[Hypothesis], evidence: Sequence[float], effects: int) -> NDArray[np.float64]:
+def by_effect(hypotheses: Sequence[Hypothesis], evidence: NDArray[np.float64], effects: int) -> NDArray[np.float64]:
     """Log Bayes factor (effects,) of each effect, averaged over its hypotheses; -inf for an effect without any."""
     combined = np.full(effects, -np.inf)
     for hypothesis, value in zip(hypotheses, evidence, strict=True):

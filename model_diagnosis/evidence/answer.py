@@ -1,0 +1,107 @@
+"""From a selection to the causes of the answer: physical values with intervals, groups, probabilities, remarks."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.effects.effect import EffectParameter
+from model_diagnosis.evidence.checks import Consistency, consistency
+from model_diagnosis.evidence.lookalikes import LookAlikes
+from model_diagnosis.evidence.quadratic import total
+from model_diagnosis.evidence.search import Search, ratios
+from model_diagnosis.evidence.selection import Accepted, Selection
+from model_diagnosis.result import Cause, ParameterEstimate
+
+FloatArray = NDArray[np.float64]
+
+INTERVAL_STD = 1.6449
+"""Half width of a 90 % interval in standard deviations."""
+
+INCONSISTENT_PER_MANOEUVRE = 6.0
+"""Mean squared difference between manoeuvres, in units of their own std, beyond which a remark is made."""
+
+Physical = Callable[[int, float], tuple[float, str, float]]
+"""Column and deviation to physical value, unit and nominal value."""
+
+
+@dataclass(frozen=True)
+class CauseDetail:
+    """An accepted cause with what stands behind it.
+
+    Attributes
+    ----------
+    consistency : column -> what each manoeuvre says of it
+    held_out : manoeuvre -> log predictive density with the effect minus without
+    """
+
+    cause: Cause
+    accepted: Accepted
+    alike: LookAlikes
+    consistency: Mapping[int, Consistency] = field(default_factory=dict)
+    held_out: Mapping[str, float] = field(default_factory=dict)
+
+
+def causes(search: Search, selection: Selection, alike: Sequence[LookAlikes], physical: Physical) -> list[CauseDetail]:
+    """Accepted effects as causes, the most probable first."""
+    problem = search.problem
+    parts = problem.quadratics(selection.linearisation, problem.rows(selection.fit.theta), selection.fit.theta)
+    chosen = [one.hypothesis for one in selection.accepted]
+    _, covariance = total(parts).posterior(ratios(problem, chosen))
+    std = problem.scale * np.sqrt(np.diag(covariance))
+    scaled = problem.scaled(selection.fit.theta)
+    names = [manoeuvre.name for manoeuvre in problem.replay.manoeuvres]
+    found = []
+    for accepted, other in zip(selection.accepted, alike, strict=True):
+        effect = problem.replay.effects[accepted.hypothesis.effect]
+        agreement = {column: consistency(parts, scaled, column) for column in accepted.hypothesis.columns}
+        estimates = {
+            problem.replay.parameters[column].name: _estimate(
+                physical, column, selection.fit.theta[column], std[column], problem.replay.parameters[column]
+            )
+            for column in accepted.hypothesis.columns
+        }
+        held_out = dict(zip(names, (float(value) for value in accepted.held_out.differences), strict=True))
+        group = [problem.replay.effects[number].name for number in other.group]
+        cause = Cause(
+            effect=effect.name,
+            probability=float(other.probability[accepted.hypothesis.effect]),
+            parameters=estimates,
+            group=group,
+            group_probabilities={
+                problem.replay.effects[number].name: float(other.probability[number]) for number in other.group
+            },
+            equation=effect.equation,
+            evidence=float(accepted.evidence),
+            remarks=_remarks(agreement, accepted, names),
+        )
+        found.append(CauseDetail(cause, accepted, other, agreement, held_out))
+    return sorted(found, key=lambda one: (-round(one.cause.probability, 3), -one.cause.evidence))
+
+
+def _estimate(
+    physical: Physical, column: int, deviation: float, std: float, parameter: EffectParameter
+) -> ParameterEstimate:
+    value, unit, nominal = physical(column, deviation)
+    ends = sorted(
+        physical(column, float(np.clip(deviation + side * INTERVAL_STD * std, parameter.low, parameter.high)))[0]
+        for side in (-1.0, 1.0)
+    )
+    return ParameterEstimate(value=value, low=ends[0], high=ends[1], unit=unit, nominal=nominal)
+
+
+def _remarks(agreement: Mapping[int, Consistency], accepted: Accepted, names: Sequence[str]) -> list[str]:
+    remarks = []
+    for one in agreement.values():
+        if one.telling <= 1:
+            carrier = names[int(np.nanargmin(np.where(np.isfinite(one.std), one.std, np.inf)))]
+            remarks.append(f"carried by one manoeuvre only: {carrier}")
+        said = int(np.sum(np.isfinite(one.std)))
+        if said > 1 and one.statistic > INCONSISTENT_PER_MANOEUVRE * (said - 1):
+            worst = int(np.nanargmax(np.abs((one.values - np.nanmedian(one.values)) / one.std)))
+            remarks.append(f"manoeuvres differ on its size, {names[worst]} the most")
+    differences = accepted.held_out.differences
+    if accepted.held_out.exciting.any() and float(np.min(differences)) < 0.0:
+        remarks.append(f"does not help to predict {names[int(np.argmin(differences))]}")
+    return list(dict.fromkeys(remarks))

@@ -1,0 +1,125 @@
+"""Look-alikes of an accepted effect, refitted in its place, and the probabilities of all of them.
+
+Source: model discrepancy anchor, section 3.7: the group of the winner is every effect with an expected separation below
+3 at the winner's size and an evidence, after refit, less than 3 below the winner's.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.evidence.groups import SEPARATION_NEEDED, separation
+from model_diagnosis.evidence.hypotheses import Hypothesis, by_effect
+from model_diagnosis.evidence.quadratic import Quadratic, total
+from model_diagnosis.evidence.search import Search, linear_evidence, ratios
+from model_diagnosis.evidence.selection import Accepted, Selection
+from model_diagnosis.evidence.threshold import probabilities
+
+FloatArray = NDArray[np.float64]
+
+REFITTED = 6
+"""Look-alikes refitted at most, those with the least expected separation first."""
+
+
+@dataclass(frozen=True)
+class LookAlikes:
+    """An accepted effect among those that could stand in its place.
+
+    Attributes
+    ----------
+    group : effects not distinguishable from it on this data, itself first
+    evidence : (effects,) log Bayes factor of each effect in its place; refitted where that matters, else linear
+    probability : (effects,) of each in its place
+    nothing : probability of none of them
+    separations : effect -> expected log evidence that tells it from the accepted one
+    """
+
+    group: tuple[int, ...]
+    evidence: FloatArray
+    probability: FloatArray
+    nothing: float
+    separations: dict[int, float]
+
+
+def look_alikes(
+    search: Search,
+    selection: Selection,
+    accepted: Accepted,
+    forced: Sequence[int] = (),
+) -> LookAlikes:
+    """Group and probabilities of one accepted effect; ``forced`` effects are grouped whatever the data says."""
+    problem = search.problem
+    own = accepted.hypothesis
+    rest = [one.hypothesis for one in selection.accepted if one.hypothesis is not own]
+    parts = problem.quadratics(selection.linearisation, problem.rows(selection.fit.theta), selection.fit.theta)
+    quadratic = total(parts)
+    evidence = _evidence_in_place(search, quadratic, rest, selection)
+    evidence[own.effect] = accepted.evidence
+    separations = _separations(search, quadratic, rest, own, selection.fit.theta)
+    close = sorted(
+        (effect for effect, value in separations.items() if value < SEPARATION_NEEDED), key=lambda one: separations[one]
+    )
+    group = [own.effect]
+    for effect in dict.fromkeys([*forced, *close[:REFITTED]]):
+        evidence[effect] = _refitted(search, selection, quadratic, rest, effect, accepted)
+        if effect in forced or accepted.evidence - evidence[effect] < SEPARATION_NEEDED:
+            group.append(effect)
+    probability, nothing = probabilities(evidence)
+    return LookAlikes(tuple(group), evidence, probability, nothing, separations)
+
+
+def _evidence_in_place(
+    search: Search, quadratic: Quadratic, rest: Sequence[Hypothesis], selection: Selection
+) -> FloatArray:
+    """Linear evidence of every effect beside ``rest``, replaced by refits made in the same company."""
+    effects = len(search.problem.replay.effects)
+    linear = by_effect(search.hypotheses, linear_evidence(search.problem, quadratic, search.hypotheses, rest), effects)
+    for stage in selection.stages:
+        if set(stage.accepted) == set(rest):
+            for effect in {refit.hypothesis.effect for refit in stage.refits}:
+                linear[effect] = max(one.evidence for one in stage.refits if one.hypothesis.effect == effect)
+    for hypothesis in rest:
+        linear[hypothesis.effect] = -np.inf
+    return linear
+
+
+def _separations(
+    search: Search, quadratic: Quadratic, rest: Sequence[Hypothesis], own: Hypothesis, theta: FloatArray
+) -> dict[int, float]:
+    """Expected log evidence of the accepted effect against each other one, at its size."""
+    problem = search.problem
+    _, information = quadratic.projected(ratios(problem, rest))
+    size = problem.scaled(theta)[list(own.columns)]
+    taken = {own.effect, *(hypothesis.effect for hypothesis in rest)}
+    found: dict[int, float] = {}
+    for hypothesis in search.hypotheses:
+        if hypothesis.effect not in taken:
+            value = separation(information, size, own.columns, hypothesis.columns)
+            found[hypothesis.effect] = min(value, found.get(hypothesis.effect, np.inf))
+    return found
+
+
+def _refitted(
+    search: Search,
+    selection: Selection,
+    quadratic: Quadratic,
+    rest: Sequence[Hypothesis],
+    effect: int,
+    accepted: Accepted,
+) -> float:
+    """Evidence of another effect in the accepted one's place, the best of its hypotheses."""
+    problem = search.problem
+    best = -np.inf
+    mine = -0.5 * search.set_cost([*rest, accepted.hypothesis], selection.fit) + search.occam(
+        accepted.hypothesis, rest, quadratic
+    )
+    for hypothesis in (one for one in search.hypotheses if one.effect == effect):
+        chosen = [*rest, hypothesis]
+        mean, _ = quadratic.posterior(ratios(problem, chosen))
+        start = problem.priors.centre + problem.scale * mean
+        fit = search.fit_set(chosen, selection.linearisation, start)
+        value = -0.5 * search.set_cost(chosen, fit) + search.occam(hypothesis, rest, quadratic)
+        best = max(best, accepted.evidence + value - mine)
+    return best
