@@ -1,0 +1,4 @@
+"""``diagnosis.html``: what a diagnosis found, pictures first.
+
+from bench.diagnosis_report.page import build
+"""
