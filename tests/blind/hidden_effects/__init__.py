@@ -1,0 +1,21 @@
+"""Generator of measured-like logs with a hidden effect: a program of its own that knows nothing of the bench.
+
+It shares no code with the bench and imports none of its packages (nor do they import it): what it knows of the car are
+the numbers of the car's data sheet, what it knows of effects are their published equations. ``python generate.py
+--help`` runs it; ``FORM_DIFFERENCES`` lists in what its simulator differs in form from a usual 1 ms replay model.
+"""
+
+VERSION = "1"
+
+FORM_DIFFERENCES = (
+    "step 0.5 ms; chassis by the two-step Adams-Bashforth rule, wheel spin and tyre force staggered (symplectic)",
+    "tyre transient on the force, exponentially exact, instead of a lag of the slip",
+    "pitch and roll of second order on springs and dampers; load transfer is what springs, dampers and links carry",
+    "no heave, no unsprung masses, dampers with one rate for both directions, wheels stand upright",
+    "four-channel ABS logic of its own with a 10 ms cycle and a reference speed of its own",
+    "brake discs warmed by the energy that they take, cooled by Newton's law",
+    "valves open and close with a lag of their own; modulated pressures by flow over compliance",
+    "steering compliance from a trail that falls as a cosine with the slip angle",
+    "second generator: exponential (Burckhardt) tyre curves on a friction circle in place of the arctangent ones",
+)
+"""In what the hidden car differs in form from the model that diagnoses it."""

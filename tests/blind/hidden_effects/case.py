@@ -1,0 +1,154 @@
+"""One case of the challenge: hidden car, logs, map, vehicle file, and the sealed label."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hidden_effects import FORM_DIFFERENCES, VERSION
+from hidden_effects.car import DATA_SHEET, Numbers, as_record, draw_car
+from hidden_effects.families import Draw, Hidden, draw, family_of, place_name
+from hidden_effects.logs import FORMATS, channel_map, database, write_logs
+from hidden_effects.manoeuvres import HELD_OUT, SIX, Script
+from hidden_effects.recording import Loggers, MessageLog, draw_loggers, record
+from hidden_effects.sealing import seal
+from hidden_effects.sensors import SENSOR_SHEET, draw_sensors
+from hidden_effects.simulator import simulate
+from hidden_effects.tyre import ARCTANGENT, EXPONENTIAL
+from hidden_effects.vehicle_file import vehicle_file
+
+FORMAT_SHARES = (0.7, 0.15, 0.15)
+GENERATORS = {"first": ARCTANGENT, "second": EXPONENTIAL}
+
+
+class Case:
+    """A drawn case; ``manoeuvre_columns`` simulates it, ``write`` records it.
+
+    Parameters
+    ----------
+    seed, index, count : the challenge, the case's number in it, how many it has
+    family : one family for all cases; None for the mixture
+    generator : ``first`` or ``second`` (another tyre curve)
+    """
+
+    def __init__(self, seed: int, index: int, count: int, family: str | None, generator: str) -> None:
+        self.index = index
+        self.random = np.random.default_rng([seed, index, 20_917])
+        self.family = family_of(index, count, family)
+        self.car, self.deviations = draw_car(self.random)
+        self.chain = draw_sensors(self.random)
+        self.car["curve"] = np.array(GENERATORS[generator])
+        self.generator = generator
+        self.draw: Draw = draw(self.family, self.random)
+        self.format = str(self.random.choice(FORMATS, p=FORMAT_SHARES))
+        plain = draw_loggers(self.random, one_raster=self.format == "csv")
+        self.loggers = Loggers(plain.clock_offset_s, plain.phases_s, self.draw.missing, self.draw.fault)
+
+    def car_in(self, script: Script) -> tuple[Numbers, Numbers]:
+        """Car and measuring chain as they are in a manoeuvre, hidden effects included."""
+        car, chain = dict(self.car), dict(self.chain)
+        for name, deviation in self.draw.wrong_car.items():
+            car[name] = car[name] * (1.0 + deviation)
+        if self.draw.unknown is not None:
+            kind, size = self.draw.unknown
+            car["unknown_kind"], car["unknown_size"] = np.array(kind.number), np.array(size)
+        if self.draw.only_in in ("", script.name):
+            for hidden in self.draw.effects:
+                hidden.applied(car, chain)
+        return car, chain
+
+    def scripts(self) -> tuple[tuple[Script, ...], tuple[Script, ...]]:
+        """Manoeuvres that the user has, and those held out."""
+        if not self.draw.manoeuvres:
+            return SIX, HELD_OUT
+        return tuple(s for s in SIX if s.name in self.draw.manoeuvres), HELD_OUT[:1]
+
+    def recorded(self, scripts: tuple[Script, ...]) -> dict[str, dict[str, MessageLog]]:
+        """Simulated and recorded manoeuvres: name -> message -> frames."""
+        result = {}
+        for script in scripts:
+            car, chain = self.car_in(script)
+            drive = script.drive()
+            columns = simulate(as_record(car), drive)
+            result[script.name] = record(columns, drive, chain, self.loggers, self.random)
+        return result
+
+    def label(self) -> dict[str, Any]:
+        """What is hidden, as the scorer will read it."""
+        fault, unknown = self.draw.fault, self.draw.unknown
+        return {
+            "version": VERSION,
+            "generator": self.generator,
+            "family": self.family,
+            "effects": [self._effect(hidden) for hidden in self.draw.effects],
+            "data_fault": None
+            if fault is None
+            else {"kind": fault.kind, "channels": list(fault.channels), "value": fault.value, "unit": fault.unit},
+            "unknown": None
+            if unknown is None
+            else {
+                "kind": unknown[0].name,
+                "formula": unknown[0].formula,
+                "variables": list(unknown[0].variables),
+                "size": unknown[1],
+            },
+            "wrong_car": self.draw.wrong_car,
+            "only_in": self.draw.only_in,
+            "missing": list(self.draw.missing),
+            "clock_offset_s": self.loggers.clock_offset_s,
+            "deviations": self.deviations,
+            **self.draw.expected,
+        }
+
+    def _effect(self, hidden: Hidden) -> dict[str, Any]:
+        return {
+            "name": hidden.effect.name,
+            "place": place_name(hidden),
+            "units": hidden.units,
+            "unit": hidden.effect.unit,
+            "relative": hidden.effect.relative,
+            "deviation": hidden.deviation,
+            "value": self._physical(hidden),
+        }
+
+    def _physical(self, hidden: Hidden) -> float:
+        """Physical value: over the data sheet's where the effect is relative, else in its unit; scatter included."""
+        fields = hidden.effect.field.split(",")
+        if fields == [""]:
+            return hidden.deviation + (1.0 if hidden.effect.relative else 0.0)
+        name = fields[hidden.place] if len(fields) > 1 else fields[0]
+        car, chain = self.car_in(next(s for s in SIX + HELD_OUT if self.draw.only_in in ("", s.name)))
+        store: Mapping[str, Any] = chain if name.startswith("chain:") else car
+        name = name.removeprefix("chain:")
+        nominal = np.atleast_1d((SENSOR_SHEET | DATA_SHEET)[name].nominal)
+        place = hidden.place if hidden.effect.places > 1 and len(nominal) > 1 else 0
+        value = float(np.atleast_1d(store[name])[place])
+        return value / float(nominal[place]) if hidden.effect.relative else value
+
+    def write(self, folder: Path, sealed: Path) -> None:
+        """Write ``folder`` (logs, held_out, map, vehicle file, seal) and, apart, ``sealed`` (salt and label)."""
+        seal(self.label(), folder / "seal.sha256", sealed)
+        mine, held_out = self.scripts()
+        logs = self.recorded(mine)
+        write_logs(folder / "logs", self.format, logs)
+        write_logs(folder / "held_out", self.format, self.recorded(held_out))
+        messages = next(iter(logs.values()))
+        _write_yaml(folder / "channels.yaml", channel_map(self.format, messages))
+        _write_yaml(folder / "vehicle.yaml", vehicle_file())
+        if self.format == "blf":
+            (folder / "car.dbc").write_text(database(messages), encoding="ascii")
+
+
+def _write_yaml(path: Path, content: Mapping[str, Any]) -> None:
+    from ruamel.yaml import YAML
+
+    with path.open("w", encoding="utf-8") as file:
+        YAML().dump(dict(content), file)
+
+
+def write_manifest(folder: Path, facts: Mapping[str, Any]) -> None:
+    """What anybody may know of the set: seed, number of cases, generator, form differences."""
+    content = dict(facts) | {"version": VERSION, "form_differences": list(FORM_DIFFERENCES)}
+    (folder / "manifest.json").write_text(json.dumps(content, indent=1), encoding="utf-8")

@@ -1,0 +1,116 @@
+"""Equations of motion of the hidden car's body, compiled: planar motion, pitch and roll on springs, wheel loads."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from hidden_effects.car import GRAVITY_M_S2
+
+VX, VY, YAW_RATE, PITCH, PITCH_RATE, ROLL, ROLL_RATE = range(7)
+STATES = 7
+TYRE_ANGLE_OF_NO_TRAIL_RAD = 0.16
+
+FloatArray = NDArray[np.float64]
+
+
+@njit(cache=True)
+def pitch_rates(car: Any) -> tuple[float, float]:
+    """Stiffness [N m/rad] and damping [N m s/rad] of the body in pitch."""
+    front, rear = car.cg_to_front, car.wheelbase - car.cg_to_front
+    stiffness = 2.0 * (car.spring_rate[0] * front * front + car.spring_rate[1] * rear * rear)
+    damping = 2.0 * (car.damper_rate[0] * front * front + car.damper_rate[1] * rear * rear)
+    return stiffness, damping
+
+
+@njit(cache=True)
+def roll_rates(car: Any, axle: int) -> tuple[float, float]:
+    """Stiffness [N m/rad] and damping [N m s/rad] of an axle in roll."""
+    half_square = 0.5 * car.track * car.track
+    stiffness = half_square * (car.spring_rate[axle] + 2.0 * car.anti_roll_rate[axle])
+    return stiffness, half_square * car.damper_rate[axle]
+
+
+@njit(cache=True)
+def wheel_place(car: Any, i: int) -> tuple[float, float]:
+    """Place (x, y) [m] of a contact patch in the car."""
+    x = car.cg_to_front if i < 2 else car.cg_to_front - car.wheelbase
+    return x, 0.5 * car.track if i % 2 == 0 else -0.5 * car.track
+
+
+@njit(cache=True)
+def wheel_loads(car: Any, state: FloatArray, force_x: FloatArray, force_y: FloatArray, load: FloatArray) -> None:
+    """Vertical loads [N] from springs, dampers and links; ``force_x``, ``force_y`` (4,) in the car's axes."""
+    front_share = (car.wheelbase - car.cg_to_front) / car.wheelbase
+    weight = car.mass * GRAVITY_M_S2
+    stiffness, damping = pitch_rates(car)
+    pressure = 0.5 * car.air_density * state[VX] * state[VX]
+    links = -(force_x[0] + force_x[1]) * car.support_tangent[0] - (force_x[2] + force_x[3]) * car.support_tangent[1]
+    along = (stiffness * state[PITCH] + damping * state[PITCH_RATE]) / car.wheelbase + links
+    for axle in range(2):
+        k, c = roll_rates(car, axle)
+        side = force_y[2 * axle] + force_y[2 * axle + 1]
+        across = (k * state[ROLL] + c * state[ROLL_RATE] + side * car.roll_centre[axle]) / car.track
+        static = 0.5 * weight * (front_share if axle == 0 else 1.0 - front_share)
+        mean = static + (0.5 * along if axle == 0 else -0.5 * along) - 0.5 * pressure * car.lift_area[axle]
+        load[2 * axle] = max(mean - across, 0.0)
+        load[2 * axle + 1] = max(mean + across, 0.0)
+
+
+@njit(cache=True)
+def derivatives(
+    car: Any, state: FloatArray, force_x: FloatArray, force_y: FloatArray, moment: float, rate: FloatArray
+) -> tuple[float, float]:
+    """Time derivatives of the body's states into ``rate`` (7,).
+
+    Parameters
+    ----------
+    force_x, force_y : (4,) N
+        Tyre forces in the car's axes.
+    moment : N m
+        Yaw moment beside that of the tyre forces.
+
+    Returns
+    -------
+    Specific forces along and across [m/s^2] in the pitched and rolled body, as its accelerometers feel them.
+    """
+    sum_x = sum_y = yaw = 0.0
+    for i in range(4):
+        x, y = wheel_place(car, i)
+        sum_x += force_x[i]
+        sum_y += force_y[i]
+        yaw += x * force_y[i] - y * force_x[i]
+    air_x, air_y = state[VX] + car.head_wind, state[VY] + car.side_wind
+    half_density = 0.5 * car.air_density
+    body_x = sum_x - half_density * car.drag_area * air_x * abs(air_x)
+    body_y = sum_y - half_density * car.side_area * air_y * abs(air_x)
+    along, across = body_x / car.mass, body_y / car.mass
+    rate[VX] = along - GRAVITY_M_S2 * car.grade + state[VY] * state[YAW_RATE]
+    rate[VY] = across - GRAVITY_M_S2 * car.bank - state[VX] * state[YAW_RATE]
+    rate[YAW_RATE] = (yaw + moment) / car.yaw_inertia
+    stiffness, damping = pitch_rates(car)
+    weight_moment = car.mass * GRAVITY_M_S2 * car.cg_height
+    links = -(force_x[0] + force_x[1]) * car.support_tangent[0] - (force_x[2] + force_x[3]) * car.support_tangent[1]
+    pitch = -car.cg_height * sum_x - stiffness * state[PITCH] - damping * state[PITCH_RATE]
+    rate[PITCH] = state[PITCH_RATE]
+    rate[PITCH_RATE] = (pitch + weight_moment * state[PITCH] - car.wheelbase * links) / car.pitch_inertia
+    roll = car.cg_height * sum_y + weight_moment * state[ROLL]
+    for axle in range(2):
+        k, c = roll_rates(car, axle)
+        roll -= k * state[ROLL] + c * state[ROLL_RATE]
+        roll -= (force_y[2 * axle] + force_y[2 * axle + 1]) * car.roll_centre[axle]
+    rate[ROLL] = state[ROLL_RATE]
+    rate[ROLL_RATE] = roll / car.roll_inertia
+    sin_pitch, sin_roll = math.sin(state[PITCH]), math.sin(state[ROLL])
+    return along - GRAVITY_M_S2 * sin_pitch, across + GRAVITY_M_S2 * sin_roll
+
+
+@njit(cache=True)
+def steering_angle(car: Any, wheel_angle: float, force_y_left: float, force_y_right: float, slip: float) -> float:
+    """Mean road-wheel angle [rad]: ratio, offset, and the compliance under the front tyres' aligning moment."""
+    fade = max(math.cos(0.5 * math.pi * min(abs(slip) / TYRE_ANGLE_OF_NO_TRAIL_RAD, 1.0)), 0.0)
+    trail = car.pneumatic_trail * fade
+    twist = 0.5 * (force_y_left + force_y_right) * trail / car.steering_stiffness
+    return wheel_angle / car.steering_ratio + car.steering_offset - twist
