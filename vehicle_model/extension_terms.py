@@ -33,12 +33,13 @@ TERM_RECORD = np.dtype(
         ("factors", "i8"),
         ("variable", "i8", (MOST_FACTORS,)),
         ("function", "i8", (MOST_FACTORS,)),
+        ("symmetry", "i8", (MOST_FACTORS,)),
         ("exponent", "f8", (MOST_FACTORS,)),
         ("at", "f8", (MOST_FACTORS,)),
         ("width", "f8", (MOST_FACTORS,)),
         ("wave_number", "f8", (MOST_FACTORS,)),
         ("phase", "f8", (MOST_FACTORS,)),
-        ("memory", "f8", (MOST_FACTORS, 4)),  # of relay and play, a value per wheel
+        ("memory", "f8", (MOST_FACTORS, 4)),  # of relay and direction, a value per wheel
     ],
     align=True,
 )
@@ -74,7 +75,8 @@ BRAKE_FACTOR, BRAKE, DRIVE, FRICTION_FACTOR, SIDE_FORCE, ROLLING, RADIUS_FACTOR,
     _STOP_ENERGY,
     _TYRE_TEMPERATURE,
 ) = range(len(VARIABLES))
-_POWER, _SIGNED_POWER, _ABOVE, _BELOW, _STEP, _LIMITED, _SINE, _RELAY, _PLAY = range(len(FUNCTIONS))
+_POWER, _ABOVE, _BELOW, _STEP, _LIMITED, _SINE, _RELAY, _DIRECTION = range(len(FUNCTIONS))
+_ODD = 2
 
 _SLOWEST_M_S = 0.5
 """Speed below which slip is not defined and a term sees none."""
@@ -164,46 +166,53 @@ def _car_variable(
 
 @njit(cache=True)
 def _power(x: float, exponent: float) -> float:
-    """x to a power from 0 on; of a negative x the magnitude's where the exponent is not whole."""
+    """x to a power, x from 0 on."""
     if exponent == 1.0:
         return x
-    if exponent == 2.0:
-        return x * x
-    if exponent == math.floor(exponent):
-        return x ** int(exponent)
-    return abs(x) ** exponent
+    return x * x if exponent == 2.0 else x**exponent
 
 
 @njit(cache=True)
-def _factor(t: Record, k: int, memory_of: int, x: float) -> float:
-    """Value of factor ``k`` of term ``t`` at x; relay and play remember."""
-    function, exponent = t.function[k], t.exponent[k]
+def _factor(t: Record, k: int, wheel: int, value: float) -> float:
+    """Factor ``k`` of term ``t`` at a value of its variable."""
+    symmetry = t.symmetry[k]
+    if symmetry == 0:
+        return _function(t, k, wheel, value)
+    even = _function(t, k, wheel, abs(value))
+    return -even if symmetry == _ODD and value < 0.0 else even
+
+
+@njit(cache=True)
+def _function(t: Record, k: int, wheel: int, x: float) -> float:
+    function, at, width = t.function[k], t.at[k], t.width[k]
     if function == _POWER:
-        return _power(x, exponent)
-    if function == _SIGNED_POWER:
-        return math.copysign(abs(x) ** exponent, x)
+        return math.copysign(_power(abs(x), t.exponent[k]), x)
     if function == _ABOVE:
-        return _power(max(x - t.at[k], 0.0), exponent) if x > t.at[k] else 0.0
+        return _power(x - at, t.exponent[k]) if x > at else 0.0
     if function == _BELOW:
-        return _power(max(t.at[k] - x, 0.0), exponent) if x < t.at[k] else 0.0
+        return _power(at - x, t.exponent[k]) if x < at else 0.0
     if function == _STEP:
-        return 1.0 if x > t.at[k] else 0.0
-    width = t.width[k]
+        return 1.0 if x > at else 0.0
     if function == _LIMITED:
-        return min(max((x - t.at[k]) / width, -1.0), 1.0)
+        return min(max((x - at) / width, -1.0), 1.0)
     if function == _SINE:
         return math.sin(t.wave_number[k] * x + t.phase[k])
-    held = t.memory[k, memory_of]
-    if function == _RELAY:
-        if held == 0.0:
-            held = -1.0
-        if x > t.at[k] + width:
-            held = 1.0
-        elif x < t.at[k] - width:
-            held = -1.0
-    else:
+    return _remembering(t, k, wheel, x)
+
+
+@njit(cache=True)
+def _remembering(t: Record, k: int, wheel: int, x: float) -> float:
+    """Relay and direction, which depend on where x has been."""
+    at, width, held = t.at[k], t.width[k], t.memory[k, wheel]
+    if t.function[k] == _DIRECTION:
         held = min(max(held, x - width), x + width)
-    t.memory[k, memory_of] = held
+        t.memory[k, wheel] = held
+        return (x - held) / width
+    if x > at + width:
+        held = 1.0
+    elif x < at - width or held == 0.0:
+        held = -1.0
+    t.memory[k, wheel] = held
     return held
 
 
@@ -281,6 +290,7 @@ def _fill(row: Record, term: Term) -> None:
     for k, factor in enumerate(term.factors):
         row["variable"][k] = VARIABLES.index(factor.variable)
         row["function"][k] = FUNCTIONS.index(factor.function)
+        row["symmetry"][k] = ("none", "even", "odd").index(factor.symmetry)
         for name in ("exponent", "at", "width", "wave_number", "phase"):
             row[name][k] = getattr(factor, name, 0.0)
     row["memory"] = memory
@@ -292,7 +302,7 @@ def new_terms() -> NDArray[np.void]:
 
 
 def write_terms(record: NDArray[np.void], terms: NDArray[np.void], vehicle: VehicleFile) -> None:
-    """Fill the stack, and what its variables need of brakes and tyres; what relays and plays remember stays.
+    """Fill the stack, and what its variables need of brakes and tyres; what relays and directions remember stays.
 
     Parameters
     ----------

@@ -120,22 +120,19 @@ def _width() -> float:
 
 
 class _Factor(FileModel):
-    """A function of one variable x."""
+    """A function f of one variable x.
+
+    ``symmetry`` none: f(x); even: f(|x|); odd: sign(x) f(|x|).
+    """
 
     variable: CarVariable | WheelVariable
+    symmetry: Literal["none", "even", "odd"] = "none"
 
 
 class Power(_Factor):
-    """x^e; |x|^e for an exponent that is not whole."""
-
-    function: Literal["power"] = "power"
-    exponent: float = _exponent()
-
-
-class SignedPower(_Factor):
     """sign(x) |x|^e."""
 
-    function: Literal["signed_power"]
+    function: Literal["power"] = "power"
     exponent: float = _exponent()
 
 
@@ -186,10 +183,10 @@ class Relay(_Factor):
     width: float = _width()
 
 
-class Play(_Factor):
-    """x with a backlash of ± width."""
+class Direction(_Factor):
+    """Which way x moved last, -1 to 1, turning round within 2 widths: (x - play) / width, the play of ± width."""
 
-    function: Literal["play"]
+    function: Literal["direction"]
     width: float = _width()
 
 
@@ -201,17 +198,16 @@ def _function_of(value: Any) -> str:
 
 Factor = Annotated[
     Annotated[Power, Tag("power")]
-    | Annotated[SignedPower, Tag("signed_power")]
     | Annotated[Above, Tag("above")]
     | Annotated[Below, Tag("below")]
     | Annotated[Step, Tag("step")]
     | Annotated[Limited, Tag("limited")]
     | Annotated[Sine, Tag("sine")]
     | Annotated[Relay, Tag("relay")]
-    | Annotated[Play, Tag("play")],
+    | Annotated[Direction, Tag("direction")],
     Discriminator(_function_of),
 ]
-FUNCTIONS = ("power", "signed_power", "above", "below", "step", "limited", "sine", "relay", "play")
+FUNCTIONS = ("power", "above", "below", "step", "limited", "sine", "relay", "direction")
 
 
 class Term(FileModel):

@@ -61,8 +61,8 @@ TERMS = [
     },
     {
         "target": "drive_torque",
-        "coefficient": -0.01,
-        "factors": [{"variable": "brake_torque", "function": "play", "width": 100.0}],
+        "coefficient": -10.0,
+        "factors": [{"variable": "steering_wheel_angle", "function": "direction", "width": 0.3}],
     },
 ]
 
