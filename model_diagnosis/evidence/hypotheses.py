@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.evidence.replay_model import ReplayModel
+from signals.wheels import WHEELS
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Hypothesis:
 
 
 def hypotheses_of(replay: ReplayModel, available: Sequence[bool] | None = None) -> list[Hypothesis]:
-    """Hypotheses of all effects: all deviations together, and each alone where there are several (one wheel of four).
+    """Hypotheses of all effects: all deviations together, those of one wheel, each alone.
 
     ``available`` (p,) leaves out columns that this data cannot show at all.
     """
@@ -42,11 +43,19 @@ def hypotheses_of(replay: ReplayModel, available: Sequence[bool] | None = None) 
         if replay.effects[index].discrete:
             found += _discrete(index, columns, replay)
             continue
-        choices = [tuple(columns)]
-        if len(columns) > 1:
-            choices += [(column,) for column in columns]
+        choices = list(dict.fromkeys([tuple(columns), *_wheels(columns, replay), *((column,) for column in columns)]))
         found += [Hypothesis(index, choice, 1.0 / len(choices)) for choice in choices]
     return found
+
+
+def _wheels(columns: Sequence[int], replay: ReplayModel) -> list[tuple[int, ...]]:
+    """Columns of one wheel together, where an effect has several deviations for each (``fl_sine``, ``fl_cosine``)."""
+    by_wheel: dict[str, list[int]] = {}
+    for column in columns:
+        wheel = replay.parameters[column].name.split("_")[0]
+        if wheel in WHEELS:
+            by_wheel.setdefault(wheel, []).append(column)
+    return [tuple(members) for members in by_wheel.values()]
 
 
 def _discrete(effect: int, columns: Sequence[int], replay: ReplayModel) -> list[Hypothesis]:

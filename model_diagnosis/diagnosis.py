@@ -1,0 +1,244 @@
+"""The whole diagnosis: logs or manoeuvres in, the answer and everything behind it out.
+
+from model_diagnosis.diagnosis import diagnose
+findings = diagnose(["drive.csv"], "car.yaml", "channels.yaml")
+"""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.data import check_data, read_manoeuvres
+from model_diagnosis.evidence.answer import CauseDetail, causes
+from model_diagnosis.evidence.base import Base, fit_base
+from model_diagnosis.evidence.excitation import Excitation, excitation, excited_columns
+from model_diagnosis.evidence.hypotheses import by_effect, hypotheses_of
+from model_diagnosis.evidence.localise import violated_equations
+from model_diagnosis.evidence.lookalikes import look_alikes
+from model_diagnosis.evidence.priors import Priors, stated_scatter
+from model_diagnosis.evidence.search import Search, linear_evidence, ratios
+from model_diagnosis.evidence.selection import Selection, Selector
+from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
+from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, compare
+from model_diagnosis.findings import Findings
+from model_diagnosis.held_out import gain_of, noise_std
+from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.pictures import manoeuvre_findings
+from model_diagnosis.replay import Replay
+from model_diagnosis.replay.equations import equation_errors
+from model_diagnosis.result import DataFault, Diagnosis
+from model_diagnosis.verdict import verdict_of
+from signals.errors import InputError
+from signals.measured import ChannelMap, load_channel_map
+from vehicle_model import load_vehicle
+from vehicle_model.vehicle_file import VehicleFile
+
+FloatArray = NDArray[np.float64]
+Progress = Callable[[str, float], None]
+Source = Sequence[Manoeuvre] | Sequence[str | Path]
+
+STEPS = {"data": 0.0, "base": 0.1, "threshold": 0.4, "search": 0.42, "answer": 0.8, "plan": 0.88, "gain": 0.95}
+"""Share of the whole at which each step begins, for the progress bar."""
+
+
+@dataclass
+class _Clock:
+    """Times of the steps and the caller's progress bar."""
+
+    progress: Progress | None
+    seconds: dict[str, float] = field(default_factory=dict)
+    step: str = ""
+    since: float = 0.0
+
+    def begin(self, step: str) -> None:
+        now = time.perf_counter()
+        if self.step:
+            self.seconds[self.step] = now - self.since
+        self.step, self.since = step, now
+        if step in STEPS:
+            self.tell(step, 0.0)
+
+    def tell(self, text: str, share: float) -> None:
+        if self.progress is None:
+            return
+        begins = sorted(STEPS.values())
+        begin = STEPS.get(self.step, 1.0)
+        end = next((one for one in begins if one > begin), 1.0)
+        self.progress(text, begin + share * (end - begin))
+
+
+def diagnose(
+    source: Source,
+    vehicle: VehicleFile | str | Path,
+    channel_map: ChannelMap | str | Path | None = None,
+    *,
+    hold_out: Source | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Findings:
+    """What the simulation of ``vehicle`` gets wrong on measured data, and why.
+
+    Parameters
+    ----------
+    source : manoeuvres, or paths of logs (MF4, BLF, ASC, candump, CSV, Parquet)
+    vehicle : vehicle file, its path or the name of a shipped one
+    channel_map : needed for logs that are not our own recordings
+    hold_out : manoeuvres or logs that take no part in the search and measure the gain; without them it is measured by
+        leaving out each manoeuvre in turn
+    seed : of the bootstraps
+    progress : called with what is being done and the share done, 0 to 1
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read or holds nothing that a diagnosis could use.
+    """
+    clock = _Clock(progress)
+    clock.begin("data")
+    car = vehicle if isinstance(vehicle, VehicleFile) else load_vehicle(vehicle)
+    manoeuvres, logs = _manoeuvres(source, car, channel_map)
+    held_out, _ = _manoeuvres(hold_out, car, channel_map) if hold_out else ([], [])
+    faults, manoeuvres = check_data(manoeuvres, car, Replay(car, manoeuvres))
+    if held_out:
+        _, held_out = check_data(held_out, car, Replay(car, held_out))
+    replay = Replay(car, manoeuvres)
+    if not any(len(replay.signals(number)) for number in range(len(manoeuvres))):
+        raise InputError("no signal of these logs can be compared with a replay", mend="check the channel map")
+    return _Pipeline(car, replay, Replay(car, held_out) if held_out else None, faults, logs, seed, clock).run()
+
+
+def _manoeuvres(
+    source: Source, vehicle: VehicleFile, channel_map: ChannelMap | str | Path | None
+) -> tuple[list[Manoeuvre], list[str]]:
+    if all(isinstance(one, Manoeuvre) for one in source):
+        return list(cast(Sequence[Manoeuvre], source)), sorted(
+            {one.source for one in cast(Sequence[Manoeuvre], source)}
+        )
+    paths = [Path(cast(str, one)) for one in source]
+    if channel_map is None:
+        channels = ChannelMap()
+    else:
+        channels = channel_map if isinstance(channel_map, ChannelMap) else load_channel_map(channel_map)
+    return read_manoeuvres(paths, channels, vehicle), [str(path) for path in paths]
+
+
+@dataclass
+class _Pipeline:
+    """The steps after the data is read; each method is one step."""
+
+    vehicle: VehicleFile
+    replay: Replay
+    held_out: Replay | None
+    faults: list[DataFault]
+    logs: list[str]
+    seed: int
+    clock: _Clock
+
+    def run(self) -> Findings:
+        self.clock.begin("base")
+        base = fit_base(self.replay, self._priors(), self.clock.tell)
+        search, needed = self._search(base)
+        self.clock.begin("search")
+        selector = Selector(search, needed, self.clock.tell)
+        selection = selector.run(base.nothing, base.at_nothing, base.at_saturated)
+        self.clock.begin("answer")
+        wrong = compare(base.problem, selection.nothing, base.at_nothing, selection.fit.theta)
+        is_wrong = wrong.beats(sum(one.evidence for one in selection.accepted))
+        details = [] if is_wrong else self._causes(search, selection)
+        shown = excitation(base.problem, base.at_nothing.information, needed)
+        guilty = self._guilty(selection.nothing.theta, base)
+        self.clock.begin("gain")
+        answer = self._diagnosis(search, selection, details, wrong if is_wrong else None, shown, guilty, needed)
+        findings = self._findings(answer, base, selection, search)
+        self.clock.begin("")
+        answer.timing_s.update(self.clock.seconds)
+        return findings
+
+    def _priors(self) -> Priors:
+        scatter = stated_scatter(
+            self.replay.parameters, self.vehicle.scatter, lambda column: self.replay.physical(column, 0.0)[2]
+        )
+        return Priors.of(self.replay.parameters, scatter)
+
+    def _search(self, base: Base) -> tuple[Search, float]:
+        """Hypotheses that the data can show, and the evidence that one of them needs."""
+        self.clock.begin("threshold")
+        excited = excited_columns(base.problem, base.at_nothing.informations)
+        hypotheses = hypotheses_of(self.replay, list(excited))
+        maxima = bootstrap_maxima(
+            base.at_nothing.information,
+            ratios(base.problem, ()),
+            [one.columns for one in hypotheses],
+            np.random.default_rng(self.seed),
+        )
+        return Search(base.problem, hypotheses), threshold(maxima, int(excited.sum()))
+
+    def _causes(self, search: Search, selection: Selection) -> list[CauseDetail]:
+        alike = [look_alikes(search, selection, one) for one in selection.accepted]
+        return causes(search, selection, alike, self.replay.physical)
+
+    def _guilty(self, theta: FloatArray, base: Base) -> dict[str, float]:
+        errors = [equation_errors(self.vehicle, manoeuvre, theta) for manoeuvre in self.replay.manoeuvres]
+        return violated_equations(errors, base.problem.whitener.temperature)
+
+    def _diagnosis(
+        self,
+        search: Search,
+        selection: Selection,
+        details: Sequence[CauseDetail],
+        wrong: WrongVehicle | None,
+        shown: Excitation,
+        guilty: dict[str, float],
+        needed: float,
+    ) -> Diagnosis:
+        found = [detail.cause for detail in details]
+        gain = gain_of(search.problem, selection, self.held_out, self.seed) if found else None
+        return Diagnosis(
+            verdict=verdict_of(found, [], self.faults, wrong, shown.insufficient, len(self.replay.effects)),
+            data_faults=self.faults,
+            causes=found,
+            gain=gain,
+            remarks=self._remarks(selection, wrong),
+            insufficient=list(shown.insufficient),
+            guilty_equations=guilty,
+            probability_of_nothing=min((detail.alike.nothing for detail in details), default=None),
+            threshold=needed,
+        )
+
+    def _remarks(self, selection: Selection, wrong: WrongVehicle | None) -> list[str]:
+        remarks = list(selection.decisions)
+        if wrong is not None:
+            for column, deviation in zip(wrong.far_off, wrong.deviations, strict=True):
+                remarks.append(
+                    f"{self.replay.columns[column]} is {deviation:+.1f} times its scatter off the vehicle file"
+                )
+        if len(self.replay.manoeuvres) == 1:
+            remarks.append("one manoeuvre only: nothing is left to check the answer on")
+        return remarks
+
+    def _findings(self, answer: Diagnosis, base: Base, selection: Selection, search: Search) -> Findings:
+        theta = selection.fit.theta if answer.causes else np.zeros(len(self.replay.columns))
+        manoeuvres = manoeuvre_findings(self.replay, theta, held_out=False)
+        if self.held_out is not None:
+            manoeuvres += manoeuvre_findings(self.held_out, theta, held_out=True)
+        quadratic = base.problem.quadratic(base.at_nothing, base.problem.rows(base.nothing.theta), base.nothing.theta)
+        linear = by_effect(
+            search.hypotheses, linear_evidence(base.problem, quadratic, search.hypotheses), len(self.replay.effects)
+        )
+        return Findings(
+            diagnosis=answer,
+            vehicle=self.vehicle.name,
+            manoeuvres=manoeuvres,
+            sensor_std=noise_std(self.replay),
+            evidence={
+                effect.name: float(value)
+                for effect, value in zip(self.replay.effects, linear, strict=True)
+                if np.isfinite(value)
+            },
+            logs=self.logs,
+        )

@@ -1,0 +1,71 @@
+"""The gain of an answer on manoeuvres that took no part in the search, or by leaving out each manoeuvre in turn."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.evidence.fitting import Problem
+from model_diagnosis.evidence.quadratic import Quadratic, total
+from model_diagnosis.evidence.replay_model import ReplayModel
+from model_diagnosis.evidence.search import ratios
+from model_diagnosis.evidence.selection import Selection
+from model_diagnosis.gain import HeldOut, held_out_residuals, measure_gain
+from model_diagnosis.result import Gain
+
+FloatArray = NDArray[np.float64]
+
+
+def gain_of(problem: Problem, selection: Selection, held_out: ReplayModel | None, seed: int) -> Gain | None:
+    """Gain on the held-out replay; without one by cross-validation; None where neither is possible."""
+    neutral = np.zeros(len(problem.scale))
+    if held_out is not None and len(held_out.manoeuvres):
+        residuals = held_out_residuals(held_out, neutral, selection.fit.theta, selection.nothing.theta)
+        return measure_gain(residuals, noise_std(held_out), seed=seed)
+    if len(problem.replay.manoeuvres) < 2:
+        return None
+    residuals = _left_out(problem, selection)
+    return measure_gain(residuals, noise_std(problem.replay), seed=seed, cross_validated=True)
+
+
+def noise_std(replay: ReplayModel) -> dict[str, float]:
+    """Signal -> own noise of its sensor."""
+    return {
+        signal: replay.sensor_std(signal)
+        for number in range(len(replay.manoeuvres))
+        for signal in replay.signals(number)
+    }
+
+
+def _left_out(problem: Problem, selection: Selection) -> list[HeldOut]:
+    """Residuals of each manoeuvre with deviations estimated from all others (one step from the joint answer)."""
+    chosen = [one.hypothesis for one in selection.accepted]
+    rows = problem.rows(selection.fit.theta)
+    parts = problem.quadratics(selection.linearisation, rows, selection.fit.theta)
+    nothing_parts = problem.quadratics(
+        selection.linearisation, problem.rows(selection.nothing.theta), selection.nothing.theta
+    )
+    before = problem.replay.residuals(np.zeros(len(problem.scale)))
+    weights = problem.replay.weights()
+    found = []
+    for number, manoeuvre in enumerate(problem.replay.manoeuvres):
+        after = _without(problem, parts, number, ratios(problem, chosen))
+        refit = _without(problem, nothing_parts, number, ratios(problem, ()))
+        found.append(
+            HeldOut(
+                manoeuvre.name,
+                problem.replay.signals(number),
+                before[number],
+                problem.replay.residuals(after)[number],
+                weights[number],
+                problem.replay.residuals(refit)[number],
+            )
+        )
+    return found
+
+
+def _without(problem: Problem, parts: Sequence[Quadratic], left_out: int, widths: FloatArray) -> FloatArray:
+    rest = total([part for number, part in enumerate(parts) if number != left_out])
+    mean, _ = rest.posterior(widths)
+    theta = problem.priors.centre + problem.scale * mean
+    return np.clip(theta, problem.priors.low, problem.priors.high)

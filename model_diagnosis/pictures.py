@@ -1,0 +1,42 @@
+"""Manoeuvres measured and replayed before and after, as the report draws them."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.findings import ManoeuvreFindings
+from model_diagnosis.replay import Replay
+
+FloatArray = NDArray[np.float64]
+
+
+def manoeuvre_findings(
+    replay: Replay, after: FloatArray, *, held_out: bool, free_runs: bool = True
+) -> list[ManoeuvreFindings]:
+    """Every manoeuvre of a replay with the vehicle as given and at the deviations ``after`` (p,)."""
+    neutral = np.zeros(len(replay.columns))
+    weights = replay.weights()
+    found = []
+    for number, manoeuvre in enumerate(replay.manoeuvres):
+        signals = replay.signals(number)
+        measured = np.stack([manoeuvre.channels[name] for name in signals], axis=1)
+        found.append(
+            ManoeuvreFindings(
+                manoeuvre=manoeuvre,
+                signals=signals,
+                measured=measured,
+                before=replay.predict(neutral, number),
+                after=replay.predict(after, number),
+                weights=weights[number],
+                free_before=replay.free_run(neutral, number) if free_runs else None,
+                free_after=replay.free_run(after, number) if free_runs else None,
+                states=_states(replay, after, number),
+                held_out=held_out,
+            )
+        )
+    return found
+
+
+def _states(replay: Replay, theta: FloatArray, number: int) -> Mapping[str, FloatArray]:
+    return replay.states(theta, number) if hasattr(replay, "states") else {}

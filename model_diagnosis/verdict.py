@@ -1,0 +1,34 @@
+"""The verdict, from what was found."""
+
+from collections.abc import Sequence
+
+from model_diagnosis.evidence.wrong_vehicle import WrongVehicle
+from model_diagnosis.result import Cause, DataFault, DiscoveredTerm, Verdict
+
+UNSHOWN_SHARE = 0.5
+"""Nothing found on data that does not excite this share of the catalogue's effects is no finding."""
+
+NOT_A_FAULT = ("missing_channel",)
+"""Kinds that are told with the faults of the data but leave the rest of it good."""
+
+
+def verdict_of(
+    causes: Sequence[Cause],
+    terms: Sequence[DiscoveredTerm],
+    faults: Sequence[DataFault],
+    wrong: WrongVehicle | None,
+    insufficient: Sequence[str],
+    effects: int,
+) -> Verdict:
+    """One word for the answer; the worst about the model first, then about the data."""
+    if wrong is not None:
+        return "wrong_vehicle"
+    if causes:
+        return "indistinguishable" if len(causes[0].group) > 1 else "effect_found"
+    if terms:
+        return "effect_found"
+    if any(fault.kind not in NOT_A_FAULT for fault in faults):
+        return "data_fault"
+    if len(insufficient) > UNSHOWN_SHARE * effects:
+        return "insufficient_data"
+    return "nothing_found"
