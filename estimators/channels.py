@@ -31,6 +31,7 @@ def _table() -> dict[str, Channel]:
         "steering_command": Channel("age_vehicle_status", -1.6, 1.6),
         "road_wheel_angle": Channel("age_vehicle_status", -1.6, 1.6),
         "ecu_reference_speed": Channel("age_abs_status", -5.0, 120.0),
+        "abs_active": Channel("age_abs_status", 0.0, 1.0),
         "master_pressure": Channel("age_brake", -2e6, 4e7),
         "brake_switch": Channel("age_brake", 0.0, 1.0),
     }

@@ -7,6 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
+from estimators.attitude_settings import (
+    ATTITUDE_OUTPUTS,
+    AttitudeAugmentedSettings,
+    AttitudeBankSettings,
+    AttitudeSingleSettings,
+    attitude_inputs,
+)
 from estimators.baseline_settings import (
     CORNERING_STIFFNESS_OUTPUTS,
     SIMPLE_BRAKING_OUTPUTS,
@@ -233,6 +240,36 @@ def _registry() -> dict[str, Description]:
             inputs=random_walk_inputs,
             outputs=RANDOM_WALK_OUTPUTS,
             implementation="estimators.random_walk_force:RandomWalkForce",
+        ),
+        Description(
+            name="attitude_bank",
+            group="attitude",
+            summary="roll, pitch and offsets of gyroscopes and accelerometers, by a bank of Kalman filters",
+            source="attitude document, section 3 (virtual sensor offsets, eqs 22-30)",
+            settings=AttitudeBankSettings,
+            inputs=attitude_inputs,
+            outputs=ATTITUDE_OUTPUTS,
+            implementation="estimators.attitude_bank:AttitudeBank",
+        ),
+        Description(
+            name="attitude_single",
+            group="attitude",
+            summary="the same by one filter of the bank alone, which is told that the offset is zero",
+            source="attitude document, 7.1 (one filter) and example 4",
+            settings=AttitudeSingleSettings,
+            inputs=attitude_inputs,
+            outputs=ATTITUDE_OUTPUTS,
+            implementation="estimators.attitude_bank:attitude_single",
+        ),
+        Description(
+            name="attitude_augmented",
+            group="attitude",
+            summary="the same by one filter with the offset as one more state, the fair reference of the bank",
+            source="attitude document, 7.9 (extra state)",
+            settings=AttitudeAugmentedSettings,
+            inputs=attitude_inputs,
+            outputs=ATTITUDE_OUTPUTS,
+            implementation="estimators.attitude_bank:attitude_augmented",
         ),
     )
     return {entry.name: entry for entry in entries}
