@@ -2,7 +2,8 @@
 
 Inputs arrive at the rate of their frames (5 or 10 ms) while an estimator ticks every millisecond. A value is held
 between frames; the age that comes with it tells when a new one has arrived. A sample that is not a number or lies
-outside the range of its sensor counts as not received: the last good value is held. An input without a good sample for
+outside the range of its sensor counts as not received, and so does one that is already old when it arrives, as where
+frames are held up on the bus: the last good value is held. An input without a good sample for
 longer than its timeout is lost; the estimator then resets itself and stays inactive until all of its inputs are back.
 """
 
@@ -20,6 +21,9 @@ IntArray = NDArray[np.int64]
 
 LOW, HIGH, TIMEOUT, VALUE, DATA_AGE, PREVIOUS_AGE, FRESH = range(7)
 GUARD_COLUMNS = 7
+
+OLDEST_ON_ARRIVAL_S = 0.008
+"""Beyond the jitter of a bus, below the 10 ms that the slip of a wheel under slip control needs to change visibly."""
 
 INPUTS_GOOD, INPUTS_HELD, INPUTS_LOST = 0, 1, 2
 
@@ -84,7 +88,7 @@ def accept_inputs(
         value = inputs[positions[row, 0]]
         age = ages[positions[row, 1]]
         arrived = age < guard[row, PREVIOUS_AGE] + 0.5 * sample_time and 0.0 <= age <= guard[row, TIMEOUT]
-        good = guard[row, LOW] <= value <= guard[row, HIGH]
+        good = guard[row, LOW] <= value <= guard[row, HIGH] and age <= OLDEST_ON_ARRIVAL_S
         guard[row, PREVIOUS_AGE] = age if age >= 0.0 else np.inf
         if arrived and good:
             guard[row, VALUE] = value

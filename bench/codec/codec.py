@@ -20,6 +20,7 @@ from bench.codec.tables import (
     BY_CRC_AND_COUNTER,
     COUNTER,
     CRC_ERRORS,
+    EXPECTED,
     LAST_COUNTER,
     LAST_TICK,
     NEXT_DUE,
@@ -226,7 +227,7 @@ class Receiver:
     def statistics(self) -> dict[str, dict[str, int]]:
         """Counts of each message by name: accepted, crc_errors, repeated, lost, wrong_sequence, wrong_length."""
         return {
-            carrier.message.name: dict(zip(STATISTICS, (int(value) for value in row[ACCEPTED:]), strict=True))
+            carrier.message.name: dict(zip(STATISTICS, (int(value) for value in row[ACCEPTED:EXPECTED]), strict=True))
             for carrier, row in zip(self._carriers, self._tables.messages, strict=True)
         }
 

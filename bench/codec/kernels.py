@@ -17,11 +17,13 @@ from bench.codec.tables import (
     CRC_ERRORS,
     DATA_IDS,
     END,
+    EXPECTED,
     FIRST,
     FLAGS,
     IDENTIFIER,
     LAST_COUNTER,
     LAST_TICK,
+    LATENESS,
     LENGTH,
     LOST,
     NEXT_DUE,
@@ -64,6 +66,9 @@ NEVER_TICKS = 1_000_000_000
 """Age of what was never received, in ticks: 1 000 000 s."""
 
 _RESYNCHRONISE_CYCLES = 15
+
+_DRIFT = 0.001
+"""Share by which the clocks of sender and receiver may differ without a frame counting as late."""
 
 
 @njit(cache=True)
@@ -246,6 +251,22 @@ def _frames_lost(counter: int, tick: int, message: NDArray[np.int64]) -> int:
 
 
 @njit(cache=True)
+def _note_lateness(counter: int, tick: int, message: NDArray[np.int64]) -> None:
+    """How much later than its counter says a frame came; the earliest frames so far are on time.
+
+    Frames that are held up on their way keep their counters in order, and each is new: only its time tells.
+    """
+    period = message[PERIOD]
+    silent = message[LAST_COUNTER] < 0 or tick - message[LAST_TICK] >= _RESYNCHRONISE_CYCLES * period
+    expected = 1000 * tick
+    if not silent:
+        step = int(counter - message[LAST_COUNTER]) & 15
+        expected = min(expected, message[EXPECTED] + int(step * period * 1000 * (1.0 + _DRIFT)))
+    message[EXPECTED] = expected
+    message[LATENESS] = (1000 * tick - expected) // 1000
+
+
+@njit(cache=True)
 def _accept_frame(
     data: NDArray[np.uint8],
     tick: int,
@@ -264,6 +285,7 @@ def _accept_frame(
                 message[REPEATED if lost == -1 else WRONG_SEQUENCE] += 1
                 return False
             message[LOST] += lost
+            _note_lateness(counter, tick, message)
             message[LAST_COUNTER] = counter
     message[LAST_TICK] = tick
     message[ACCEPTED] += 1
@@ -291,7 +313,8 @@ def receive(
         Channel listened to, −1 for all.
     groups : int64 array, shape (g + 1, m + 1)
         Row 0, entry 0 counts frames of unknown identifier; then for each group of signals its position in ``ages`` and
-        a 1 for each message that belongs to it. The age of a group is that of its oldest message, in s.
+        a 1 for each message that belongs to it. The age of a group is that of its oldest message, in s: time since it
+        came, and what it came late by its counter.
 
     Returns
     -------
@@ -320,6 +343,6 @@ def receive(
         oldest = 0
         for m in range(messages.shape[0]):
             if groups[g, m + 1]:
-                oldest = max(oldest, min(tick - messages[m, LAST_TICK], NEVER_TICKS))
+                oldest = max(oldest, min(tick - messages[m, LAST_TICK] + messages[m, LATENESS], NEVER_TICKS))
         ages[groups[g, 0]] = oldest * 1e-3
     return accepted

@@ -22,7 +22,9 @@ COUNTER, NEXT_DUE = 8, 9
 LAST_COUNTER, LAST_TICK = 8, 9
 # ... and a receiver's counts
 ACCEPTED, CRC_ERRORS, REPEATED, LOST, WRONG_SEQUENCE, WRONG_LENGTH = range(10, 16)
-MESSAGE_COLUMNS = 16
+# when a receiver expects the frame it took last, in thousandths of a tick, and by how many ticks that one came later
+EXPECTED, LATENESS = 16, 17
+MESSAGE_COLUMNS = 18
 # values of PROTECTED
 UNPROTECTED, BY_CRC, BY_CRC_AND_COUNTER = range(3)
 STATISTICS = ("accepted", "crc_errors", "repeated", "lost", "wrong_sequence", "wrong_length")
@@ -43,7 +45,7 @@ class Tables:
 
     Attributes
     ----------
-    messages : int64 array, shape (m, 16)
+    messages : int64 array, shape (m, 18)
         Sorted by (extended, identifier).
     signals : float64 array, shape (s, 13)
         ours = (raw × SCALE + SHIFT) × OUTER_SCALE + OUTER_SHIFT; those of a message are rows FIRST … END − 1.

@@ -131,3 +131,35 @@ def test_reset_starts_over() -> None:
     assert not decoded.any()
     frames[:] = new_frames(1)
     assert [bytes(frames[: transmitter.due(tick, frames)].tobytes()) for tick in range(30)] == first
+
+
+def ages_of_wheel_speeds(arrivals: list[int], dropped: tuple[int, ...] = ()) -> list[float]:
+    """Age [s] of the wheel speeds at the arrival of each pair of frames 0x120 and 0x121, sent every 5 ms."""
+    transmitter = CODEC.transmitter("bench", np.zeros(len(BUS_NAMES)))
+    ages = np.zeros(len(AGE_NAMES))
+    receiver = CODEC.receiver("ecu", np.zeros(len(BUS_NAMES)), ages)
+    sent, found = [], []
+    for tick in range(5 * len(arrivals)):
+        frames = new_frames(64)
+        due = frames[: transmitter.due(tick, frames)]
+        sent += [due[np.isin(due["identifier"], (0x120, 0x121))]] * (tick % 5 == 0)
+    for number, arrival in enumerate(arrivals):
+        if number not in dropped:
+            receiver.accept(sent[number], 2, arrival)
+            found.append(float(ages[AGE_NAMES.index("age_wheel_speed")]))
+    return found
+
+
+def test_frames_that_are_held_up_arrive_with_their_age() -> None:
+    """From the eleventh on each comes 10 ms late: its age on arrival, less a drift of 0.1 % of the time."""
+    arrivals = [max(5 * n, 205 if n >= 39 else 0) + (10 if 10 <= n < 39 else 0) for n in range(60)]
+    ages = ages_of_wheel_speeds(arrivals)
+    assert ages[:10] == [0.0] * 10
+    assert ages[10:40] == pytest.approx([0.010] * 30, abs=0.0011)
+    assert ages[42:] == [0.0] * 18
+
+
+def test_lost_frames_and_a_slower_clock_are_not_lateness() -> None:
+    assert max(ages_of_wheel_speeds([5 * n for n in range(60)], dropped=(7, 8, 9, 30))) == 0.0
+    slower = [int(5 * n * 1.0008) for n in range(2000)]
+    assert max(ages_of_wheel_speeds(slower)) <= 0.001
