@@ -53,6 +53,7 @@ class EffectParameter:
     vehicle_path : dotted path of the vehicle file's parameter that it changes ("" where the file has none); ``*``
         stands for each wheel or axle
     relative : True where physical value = nominal · (1 + deviation), False where it is nominal + deviation
+    never_negative : True where the physical value cannot fall below 0: an addition is bounded by the vehicle's value
     """
 
     name: str
@@ -63,6 +64,7 @@ class EffectParameter:
     effect_std: float
     vehicle_path: str = ""
     relative: bool = True
+    never_negative: bool = False
 
 
 @dataclass(frozen=True)

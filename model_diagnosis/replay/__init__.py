@@ -1,0 +1,1 @@
+"""Compact compiled car that replays measured manoeuvres; effects of the catalogue are deviations of its numbers."""

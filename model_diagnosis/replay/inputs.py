@@ -1,0 +1,165 @@
+"""Inputs of the replay from the channels of a manoeuvre, and what stands in for those that were not measured.
+
+Drive torque that no channel tells is taken from the measured acceleration while the car is not braked, and so is the
+braking of a car without any brake channel; the longitudinal balance says nothing about such samples, so their
+acceleration and speed get no weight.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from model_diagnosis.replay.record import (
+    INPUT_BANK,
+    INPUT_DRIVE_FRONT,
+    INPUT_DRIVE_REAR,
+    INPUT_GRADE,
+    INPUT_STEER,
+    INPUTS,
+)
+from signals.wheels import WHEELS
+from vehicle_model.vehicle_file import VehicleFile
+
+FloatArray = NDArray[np.float64]
+
+SLOWEST_M_S = 4.0
+"""Speed below which nothing is compared: slip and the observer's gain lose their meaning."""
+
+_BRAKED_PA = 1.5e5
+_SMOOTHING_SAMPLES = 11
+_RELEASE_SAMPLES = 10
+_START_SAMPLES = 20
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """What drives the replay of one manoeuvre.
+
+    Attributes
+    ----------
+    values : (n, INPUTS)
+    inferred : (n,) True where the longitudinal force was taken from the measured acceleration
+    steered : True where a steering channel is there
+    """
+
+    values: FloatArray
+    inferred: NDArray[np.bool_]
+    steered: bool
+
+
+def reference_speed(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> FloatArray:
+    """Speed of the car (n,) [m/s] for gates: the measured one, else the second fastest wheel's."""
+    if "speed" in manoeuvre.channels:
+        return manoeuvre.channels["speed"]
+    wheels = [
+        manoeuvre.channels[f"wheel_speed_{wheel}"] * getattr(vehicle.wheels, wheel).radius
+        for wheel in WHEELS
+        if f"wheel_speed_{wheel}" in manoeuvre.channels
+    ]
+    if not wheels:
+        return np.zeros(manoeuvre.samples)
+    fastest = np.sort(np.stack(wheels), axis=0)
+    return fastest[-2] if len(wheels) > 1 else fastest[-1]
+
+
+def start_of(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> FloatArray:
+    """Speed and yaw rate (2,) at the first sample: a straight line through the first 0.2 s."""
+    count = min(_START_SAMPLES, manoeuvre.samples)
+    speed = reference_speed(manoeuvre, vehicle)[:count]
+    line = np.polyfit(np.arange(count), speed, 1) if count > 2 else np.array([0.0, speed[0]])
+    yaw_rate = manoeuvre.channels.get("yaw_rate")
+    return np.array([max(float(line[1]), 0.0), 0.0 if yaw_rate is None else float(np.median(yaw_rate[: count // 2]))])
+
+
+def read_inputs(manoeuvre: Manoeuvre, channels: Mapping[str, FloatArray], vehicle: VehicleFile) -> Inputs:
+    """Inputs of a manoeuvre from its channels, which may have been changed by effects of the sensors."""
+    values = np.zeros((manoeuvre.samples, INPUTS))
+    braked = _write_pressures(values, channels)
+    driven = _write_drive(values, channels)
+    steer = _steer(channels, vehicle)
+    if steer is not None:
+        values[:, INPUT_STEER] = steer
+    for column, name in ((INPUT_GRADE, "road_grade"), (INPUT_BANK, "road_bank")):
+        if name in channels:
+            values[:, column] = channels[name]
+    inferred = np.zeros(manoeuvre.samples, dtype=np.bool_)
+    if not braked:
+        inferred[:] = True
+    elif not driven:
+        inferred = _not_braked(values[:, :4])
+    if inferred.any():
+        _infer(values, inferred, braked, manoeuvre, vehicle)
+    return Inputs(values, inferred, steer is not None)
+
+
+def _write_pressures(values: FloatArray, channels: Mapping[str, FloatArray]) -> bool:
+    found = False
+    for i, wheel in enumerate(WHEELS):
+        pressure = channels.get(f"brake_pressure_{wheel}", channels.get("master_pressure"))
+        if pressure is not None:
+            values[:, i] = pressure
+            found = True
+    return found
+
+
+def _write_drive(values: FloatArray, channels: Mapping[str, FloatArray]) -> bool:
+    found = False
+    for column, name in ((INPUT_DRIVE_FRONT, "drive_torque_f"), (INPUT_DRIVE_REAR, "drive_torque_r")):
+        if name in channels:
+            values[:, column] = channels[name]
+            found = True
+    return found
+
+
+def _steer(channels: Mapping[str, FloatArray], vehicle: VehicleFile) -> FloatArray | None:
+    """Road-wheel angle (n,) [rad] from the channel nearest to the wheels."""
+    if "road_wheel_angle" in channels:
+        return channels["road_wheel_angle"]
+    if "steering_wheel_angle" in channels:
+        angle = channels["steering_wheel_angle"]
+        table = vehicle.steering.map
+        if table is None:
+            return angle / vehicle.steering.ratio
+        mean = 0.5 * (np.array(table.left) + np.array(table.right))
+        return np.interp(angle, table.steering_wheel_angle, mean)
+    return channels.get("steering_command")
+
+
+def _not_braked(pressures: FloatArray) -> NDArray[np.bool_]:
+    """True where no wheel is braked, nor was shortly before."""
+    braked = pressures.max(axis=1) > _BRAKED_PA
+    spread = np.convolve(braked, np.ones(2 * _RELEASE_SAMPLES + 1), "same") > 0.0
+    return ~spread
+
+
+def smooth(values: FloatArray) -> FloatArray:
+    """Moving mean over 0.11 s."""
+    half = _SMOOTHING_SAMPLES // 2
+    padded = np.pad(values, half, mode="edge")
+    return np.convolve(padded, np.full(_SMOOTHING_SAMPLES, 1.0 / _SMOOTHING_SAMPLES), "valid")
+
+
+def _infer(
+    values: FloatArray, inferred: NDArray[np.bool_], braked: bool, manoeuvre: Manoeuvre, vehicle: VehicleFile
+) -> None:
+    """Drive torque, or brake pressure where none is measured, that the measured acceleration asks for."""
+    speed = reference_speed(manoeuvre, vehicle)
+    felt = manoeuvre.channels.get("longitudinal_acceleration")
+    acceleration = smooth(felt if felt is not None else np.gradient(smooth(speed), SAMPLE_TIME_S))
+    body, air = vehicle.body, vehicle.aerodynamics
+    wheel = vehicle.wheels.fl
+    drag = 0.5 * air.air_density * air.frontal_area * air.drag_coefficient * speed**2
+    force = body.mass * (acceleration + 9.81 * wheel.rolling_resistance) + drag
+    drive = np.where(inferred & ((force > 0.0) | braked), force, 0.0) * wheel.radius
+    front = 2.0 * vehicle.driveline.wheel_share()[0]
+    values[inferred, INPUT_DRIVE_FRONT] = front * drive[inferred]
+    values[inferred, INPUT_DRIVE_REAR] = (1.0 - front) * drive[inferred]
+    if not braked:
+        gain = sum(
+            4.0 * axle.pad_area * axle.pad_friction * axle.effective_radius
+            for axle in (vehicle.brakes.front, vehicle.brakes.rear)
+        )
+        values[:, :4] = (np.maximum(-force, 0.0) * wheel.radius / gain)[:, None]

@@ -1,0 +1,166 @@
+"""Numbers of the replay's car as the compiled step reads them; arrays of four are in wheel order.
+
+The body frame has its origin at the car's centre of gravity, axes of ISO 8855. A row of ``REPLAY_RECORD`` is one car:
+sweeps over deviations run one row per column.
+"""
+
+from typing import Any, TypeAlias
+
+import numpy as np
+
+Record: TypeAlias = Any
+"""An element of an array of ``REPLAY_RECORD``, its fields as attributes in compiled code."""
+
+_NUMBERS = (
+    # body
+    "mass",
+    "yaw_inertia",
+    "roll_inertia",  # of the sprung body
+    "pitch_inertia",
+    "height",
+    "front_arm",  # centre of gravity behind the front axle
+    "wheelbase",
+    "track_front",
+    "track_rear",
+    # tyre, all wheels
+    "sliding_loss",  # what friction at slip 1 lacks, over the peak's
+    "peak_shift",  # relative shift of the slip at the peak at the same stiffness
+    "heat_fade",  # 1/K^2
+    "velocity_fade",  # s/m
+    "camber_angle",  # inclination of all wheels against the road, top to the right positive
+    "camber_stiffness",  # side force per load and inclination
+    "conicity",  # N, to the left
+    "rolling_speed",  # rise of the rolling resistance by speed, s/m
+    "rolling_speed_4",  # by its fourth power, s^4/m^4
+    "radius_load",  # loss of radius per load, m/N
+    "radius_speed",  # growth of radius by speed squared, s^2/m
+    # brakes, all wheels
+    "in_stop_rise",
+    "stop_energy",  # J, to which the rise refers
+    "hysteresis",  # Pa
+    "caliper_lag",  # s
+    "pad_speed_exponent",
+    "pad_pressure_exponent",
+    "ambient_temperature",
+    # air: half density times area, and that times a coefficient
+    "air",
+    "drag",
+    "drag_height",
+    "lift_front",
+    "lift_rear",
+    "side_force",
+    "side_force_position",
+    "wind_along",  # m/s, against the car positive
+    "wind_across",  # m/s, from the left positive
+    # road
+    "grade",
+    "bank",
+    "friction_step",  # relative change of friction behind a place
+    "friction_step_place",  # m from the start
+    "friction_split",  # relative, more on the left and less on the right
+    # driveline
+    "engine_drag",  # N m on the driven axles together
+    "driveline_drag",  # N m
+    "driveline_viscous",  # N m s/rad
+    "locking_preload",  # N m
+    "locking_viscous",  # N m s/rad
+    # steering
+    "steering_scale",
+    "steering_offset",
+    "steering_stiffness",
+    "steering_damping",
+    "ackermann",
+    # sensors
+    "accelerometer_lag",
+    "gyro_lag",
+    "wheel_speed_lag",
+    "place_x",
+    "place_y",
+)
+_WHEELS = (
+    "unsprung_mass",
+    "spin_inertia",
+    "radius",
+    "rolling_resistance",
+    "toe",
+    "friction",
+    "longitudinal_stiffness",
+    "cornering_stiffness",
+    "peak_x",
+    "peak_y",
+    "load_loss_x",  # relative loss of friction per relative rise of the load
+    "load_loss_y",
+    "stiffness_loss_x",
+    "stiffness_loss_y",
+    "peak_slip_x",
+    "peak_slip_y",
+    "reference_load",
+    "friction_stiffens",  # 1 where more friction is more stiffness too, 0 where the stiffness stays
+    "relaxation_x",
+    "relaxation_y",
+    "trail",
+    "torque_per_pressure",
+    "threshold_pressure",
+    "brake_factor",
+    "drag_torque",
+    "fade",
+    "fade_temperature",
+    "fade_floor",
+    "heat_capacity",
+    "heat_share",
+    "cooling",
+    "cooling_per_speed",
+    "start_temperature",
+    "thickness_variation_sine",
+    "thickness_variation_cosine",
+    "effective_radius",
+    "vertical_stiffness",
+    "spring_rate",
+    "compression_damping",
+    "rebound_damping",
+    "anti_roll_rate",
+    "bump_clearance",
+    "bump_rate",
+    "bump_progression",
+    "roll_centre_height",
+    "brake_support",  # tangent of the support angle
+    "drive_support",
+    "drive_share",  # 1 on driven wheels
+)
+
+REPLAY_RECORD = np.dtype([*[(name, "f8") for name in _NUMBERS], *[(name, "f8", (4,)) for name in _WHEELS]], align=True)
+
+# columns of the inputs of a manoeuvre
+INPUT_PRESSURE, INPUT_DRIVE_FRONT, INPUT_DRIVE_REAR, INPUT_STEER, INPUT_GRADE, INPUT_BANK = 0, 4, 5, 6, 7, 8
+INPUTS = 9
+"""Wheel pressures [Pa], drive torque of the axles [N m], road-wheel angle [rad], grade and bank of the road."""
+
+CORRECTED = ("wheel_speed_fl", "wheel_speed_fr", "wheel_speed_rl", "wheel_speed_rr", "speed", "yaw_rate")
+"""Signals on which the observer corrects."""
+
+_OUTPUT_WHEELS = (
+    "wheel_speed",
+    "vertical_load",
+    "longitudinal_force",
+    "lateral_force",
+    "suspension_travel",
+    "slip_ratio",
+    "slip_angle",
+    "brake_disc_temperature",
+    "brake_torque",
+)
+OUTPUTS = (
+    *(f"{name}_{wheel}" for name in _OUTPUT_WHEELS for wheel in ("fl", "fr", "rl", "rr")),
+    "speed",
+    "lateral_speed",
+    "yaw_rate",
+    "longitudinal_acceleration",
+    "lateral_acceleration",
+    "roll_rate",
+    "pitch_rate",
+    "roll_angle",
+    "pitch_angle",
+    "side_slip_angle",
+    "distance",
+)
+"""What the compiled run writes at each sample, catalogue units."""

@@ -1,0 +1,353 @@
+"""Replay of manoeuvres: what the vehicle file predicts, with any deviations of the catalogue's effects.
+
+replay = Replay(load_vehicle("asphalt_car"), manoeuvres)
+theta = np.zeros(len(replay.columns))
+replay.residuals(theta)[0]        # (n, c) measured minus predicted of the first manoeuvre
+"""
+
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.effects.catalogue import EFFECTS
+from model_diagnosis.effects.effect import Application, Effect, EffectParameter
+from model_diagnosis.effects.sensor_chain import measured_signals, ring_carriers, sensor_columns, true_inputs
+from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from model_diagnosis.replay.deviations import change_record
+from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of
+from model_diagnosis.replay.nominal import NominalCar, nominal_car
+from model_diagnosis.replay.parameters import adjusted_parameter, nominal_value, values_of
+from model_diagnosis.replay.record import CORRECTED, OUTPUTS
+from model_diagnosis.replay.sensors import own_noise
+from model_diagnosis.replay.sweep import replay_cars
+from signals.errors import InputError, unknown_name
+from signals.wheels import WHEELS
+from vehicle_model.vehicle_file import VehicleFile
+
+FloatArray = NDArray[np.float64]
+
+GAINS = np.array([0.3, 0.05, 0.1, 0.05])
+"""Gains of the observer per 10 ms: wheel speeds, speed, yaw rate, and speed by the wheels where it is not measured."""
+
+COMPARED = (
+    *(f"wheel_speed_{wheel}" for wheel in WHEELS),
+    "longitudinal_acceleration",
+    "lateral_acceleration",
+    "yaw_rate",
+    "speed",
+    "lateral_speed",
+    "side_slip_angle",
+    "roll_rate",
+    "pitch_rate",
+    "roll_angle",
+    "pitch_angle",
+    *(f"vertical_load_{wheel}" for wheel in WHEELS),
+    *(f"longitudinal_force_{wheel}" for wheel in WHEELS),
+    *(f"lateral_force_{wheel}" for wheel in WHEELS),
+    *(f"suspension_travel_{wheel}" for wheel in WHEELS),
+)
+"""Signals that the replay can be compared on, where they were measured."""
+
+_STATES = (
+    "speed",
+    "lateral_speed",
+    "pitch_angle",
+    "roll_angle",
+    *(
+        f"{name}_{wheel}"
+        for name in ("slip_ratio", "slip_angle", "brake_disc_temperature", "brake_torque", "vertical_load")
+        for wheel in WHEELS
+    ),
+)
+_LONGITUDINAL = ("longitudinal_acceleration", "speed")
+_LATERAL = ("lateral_acceleration", "yaw_rate", "lateral_speed", "side_slip_angle", "roll_rate", "roll_angle")
+_STEP_SHARE = 0.05
+"""Step of a finite difference over the effect's width."""
+
+_REPLAYED = (Application.PLANT, Application.INPUT, Application.SENSOR)
+_OBSERVED_SENSORS = ("gyro_offset", "gyro_scale", "tone_ring_error")
+"""Effects of sensors that the observer corrects on, so that their columns need a replay."""
+
+
+@dataclass(frozen=True)
+class _Prepared:
+    """What stays the same of one manoeuvre for every theta."""
+
+    manoeuvre: Manoeuvre
+    signals: tuple[str, ...]
+    chosen: NDArray[np.int64]
+    measured: FloatArray
+    weights: FloatArray
+    corrected: FloatArray
+    valid: FloatArray
+    start: FloatArray
+    inputs: Inputs
+    carriers: FloatArray | None
+
+
+class Replay:
+    """The vehicle driven by the measured inputs of each manoeuvre.
+
+    Parameters
+    ----------
+    vehicle : VehicleFile
+        As ``load_vehicle`` gives it; its ``scatter`` section replaces the catalogue's nuisance widths.
+    manoeuvres : sequence of Manoeuvre
+        With wheel speeds or a speed; which other channels are there decides what is compared and what is excited.
+    effects : sequence of Effect
+        Those that the replay carries as columns; effects of clock, CAN and controller are left out.
+    threads : int, optional
+        For sweeps; the machine's processors if left out.
+
+    Attributes
+    ----------
+    columns : (p) names ``<effect>.<parameter>``
+    parameters : (p) of the columns, bounds and scatter as for this vehicle
+    owner : (p,) index into ``effects``
+
+    Raises
+    ------
+    InputError
+        If a manoeuvre has neither wheel speeds nor a speed.
+    """
+
+    def __init__(
+        self,
+        vehicle: VehicleFile,
+        manoeuvres: Sequence[Manoeuvre],
+        effects: Sequence[Effect] = EFFECTS,
+        *,
+        threads: int | None = None,
+    ) -> None:
+        self.vehicle = vehicle
+        self.manoeuvres = tuple(manoeuvres)
+        self.effects = tuple(effect for effect in effects if effect.application in _REPLAYED)
+        self.columns = tuple(column for effect in self.effects for column in effect.columns)
+        self.owner = np.array(
+            [index for index, effect in enumerate(self.effects) for _ in effect.parameters], dtype=np.int64
+        )
+        self._values = values_of(vehicle)
+        self.parameters: tuple[EffectParameter, ...] = tuple(
+            adjusted_parameter(parameter, self._values, vehicle.scatter)
+            for effect in self.effects
+            for parameter in effect.parameters
+        )
+        self._place = {column: index for index, column in enumerate(self.columns)}
+        self._threads = threads or os.cpu_count() or 1
+        self._car: NominalCar = nominal_car(vehicle)
+        self._prepared = [self._prepare(manoeuvre) for manoeuvre in self.manoeuvres]
+
+    @property
+    def tyre_error(self) -> tuple[float, float]:
+        """Largest difference of the replay's tyre force from the vehicle's tyre over the load, front and rear."""
+        return self._car.tyre_error
+
+    def signals(self, m: int) -> tuple[str, ...]:
+        """Compared signals of manoeuvre ``m``, the columns of its arrays."""
+        return self._prepared[m].signals
+
+    def weights(self) -> list[FloatArray]:
+        """Weights (n, c) of each manoeuvre: 0 where a sample is missing, below 4 m/s, or says nothing."""
+        return [prepared.weights for prepared in self._prepared]
+
+    def measured(self, m: int) -> FloatArray:
+        """Measured signals (n, c) of manoeuvre ``m``."""
+        return self._prepared[m].measured
+
+    def predict(self, theta: FloatArray, m: int) -> FloatArray:
+        """Observer replay (n, c): each sample predicted from those before it, with the same gains for every theta."""
+        return self._run(theta, m, GAINS, 0)
+
+    def free_run(self, theta: FloatArray, m: int, horizon_s: float | None = None) -> FloatArray:
+        """Free run (n, c); with ``horizon_s`` it restarts so often at the measured wheel speeds, speed and yaw rate."""
+        horizon = 0 if horizon_s is None else max(round(horizon_s / SAMPLE_TIME_S), 1)
+        return self._run(theta, m, np.zeros(4), horizon)
+
+    def states(self, theta: FloatArray, m: int) -> dict[str, FloatArray]:
+        """States of the observer replay over which residuals are looked at, name -> (n,): speed, slips, loads, …"""
+        prepared = self._prepared[m]
+        chosen = np.array([OUTPUTS.index(name) for name in _STATES])
+        values = self._true(self._deviations(theta), prepared, GAINS, 0, chosen)
+        return {name: values[:, k] for k, name in enumerate(_STATES)}
+
+    def residuals(self, theta: FloatArray) -> list[FloatArray]:
+        """Measured minus predicted (n, c) of each manoeuvre, 0 where the weight is 0."""
+
+        def of(m: int) -> FloatArray:
+            prepared = self._prepared[m]
+            return np.where(prepared.weights > 0.0, prepared.measured - self.predict(theta, m), 0.0)
+
+        if self._threads == 1 or len(self._prepared) == 1:
+            return [of(m) for m in range(len(self._prepared))]
+        with ThreadPoolExecutor(self._threads) as pool:
+            return list(pool.map(of, range(len(self._prepared))))
+
+    def sensitivities(self, theta: FloatArray, columns: Sequence[int] | None = None) -> list[FloatArray]:
+        """Derivatives of the prediction by the deviations, (n, c, len(columns)) of each manoeuvre.
+
+        Finite differences of one side, towards the inside of the bounds; columns of accelerometers are analytic.
+        """
+        chosen = list(range(len(self.columns))) if columns is None else [int(column) for column in columns]
+        with ThreadPoolExecutor(self._threads) as pool:
+            return [
+                self._sweep(np.asarray(theta, dtype=np.float64), prepared, chosen, pool) for prepared in self._prepared
+            ]
+
+    def sensor_std(self, signal: str) -> float:
+        """Own noise of a signal's sensor in the signal's unit."""
+        return own_noise(self.vehicle, signal)
+
+    def physical(self, column: str | int, deviation: float) -> tuple[float, str, float]:
+        """Physical value, unit and nominal value of a column at a deviation.
+
+        Raises
+        ------
+        InputError
+            If there is no such column.
+        """
+        index = self._index(column)
+        parameter = self.parameters[index]
+        nominal, unit = nominal_value(parameter, self._values)
+        value = nominal * (1.0 + deviation) if parameter.relative else nominal + deviation
+        return value, unit, nominal
+
+    @cached_property
+    def excitation(self) -> FloatArray:
+        """How much this data shows of each column (p,): change of all signals, in their sensors' noise, by one effect
+        width; root of the sum of squares. Below about 3 the data says nothing."""
+        total = np.zeros(len(self.columns))
+        widths = np.array([parameter.effect_std for parameter in self.parameters])
+        for prepared, values in zip(self._prepared, self.sensitivities(np.zeros(len(self.columns))), strict=True):
+            noise = np.array([self.sensor_std(signal) for signal in prepared.signals])
+            shown = values / noise[None, :, None] * prepared.weights[:, :, None]
+            total += np.einsum("ncp,ncp->p", shown, shown)
+        return np.sqrt(total) * widths
+
+    def _index(self, column: str | int) -> int:
+        if isinstance(column, str):
+            if column not in self._place:
+                raise unknown_name("column of the replay", column, self.columns)
+            return self._place[column]
+        return int(column)
+
+    def _deviations(self, theta: FloatArray) -> dict[str, float]:
+        return {self.columns[int(k)]: float(theta[k]) for k in np.flatnonzero(theta)}
+
+    def _prepare(self, manoeuvre: Manoeuvre) -> _Prepared:
+        channels = manoeuvre.channels
+        wheels = [f"wheel_speed_{wheel}" for wheel in WHEELS]
+        if "speed" not in channels and not all(name in channels for name in wheels):
+            raise InputError(
+                f"{manoeuvre.source}: no speed",
+                found=", ".join(sorted(channels)) or "no channels",
+                allowed="all four wheel speeds, or speed",
+                mend="map them in the channel map",
+            )
+        inputs = read_inputs(manoeuvre, channels, self.vehicle)
+        signals = tuple(name for name in COMPARED if name in channels and manoeuvre.weight(name).any())
+        measured = np.stack([channels[name] for name in signals], axis=1)
+        corrected = np.zeros((manoeuvre.samples, len(CORRECTED)))
+        valid = np.zeros_like(corrected)
+        for k, name in enumerate(CORRECTED):
+            if name in channels:
+                corrected[:, k], valid[:, k] = channels[name], manoeuvre.weight(name) > 0.0
+        ringed = all(name in channels for name in wheels)
+        return _Prepared(
+            manoeuvre=manoeuvre,
+            signals=signals,
+            chosen=np.array([OUTPUTS.index(name) for name in signals], dtype=np.int64),
+            measured=measured,
+            weights=self._weights(manoeuvre, signals, inputs),
+            corrected=corrected,
+            valid=valid,
+            start=start_of(manoeuvre, self.vehicle),
+            inputs=inputs,
+            carriers=ring_carriers(manoeuvre.time, corrected[:, :4]) if ringed else None,
+        )
+
+    def _weights(self, manoeuvre: Manoeuvre, signals: tuple[str, ...], inputs: Inputs) -> FloatArray:
+        moving = reference_speed(manoeuvre, self.vehicle) >= SLOWEST_M_S
+        weights = np.stack([manoeuvre.weight(name) for name in signals], axis=1) * moving[:, None]
+        for k, name in enumerate(signals):
+            if name in _LONGITUDINAL:
+                weights[inputs.inferred, k] = 0.0
+            if name in _LATERAL and not inputs.steered:
+                weights[:, k] = 0.0
+        return weights
+
+    def _inputs(self, deviations: Mapping[str, float], prepared: _Prepared) -> FloatArray:
+        if not any(column.startswith("pressure_sensor_") for column in deviations):
+            return prepared.inputs.values
+        manoeuvre = prepared.manoeuvre
+        channels = true_inputs(deviations, manoeuvre.time, manoeuvre.channels)
+        return read_inputs(manoeuvre, channels, self.vehicle).values
+
+    def _corrected(self, deviations: Mapping[str, float], prepared: _Prepared) -> FloatArray:
+        """Signals that the observer corrects on, freed of what the sensors' effects put on them."""
+        offset = deviations.get("gyro_offset.yaw_rate", 0.0)
+        scale = deviations.get("gyro_scale.yaw_rate", 0.0)
+        rings = [deviations.get(f"tone_ring_error.{wheel}", 0.0) for wheel in WHEELS]
+        if offset == 0.0 and scale == 0.0 and not any(rings):
+            return prepared.corrected
+        values = prepared.corrected.copy()
+        values[:, 5] = (values[:, 5] - offset) / (1.0 + scale)
+        if prepared.carriers is not None:
+            values[:, :4] /= 1.0 + np.array(rings) * prepared.carriers
+        return values
+
+    def _true(
+        self,
+        deviations: Mapping[str, float],
+        prepared: _Prepared,
+        gains: FloatArray,
+        horizon: int,
+        chosen: NDArray[np.int64],
+    ) -> FloatArray:
+        """Signals before the sensors, (n, len(chosen))."""
+        cars = self._car.record.copy()
+        change_record(cars, deviations)
+        inputs, corrected = self._inputs(deviations, prepared), self._corrected(deviations, prepared)
+        out = np.empty((1, prepared.manoeuvre.samples, len(chosen)))
+        fixed = (self._car.tables, inputs, corrected, prepared.valid, prepared.start)
+        replay_cars(cars, 0, 1, *fixed, gains, horizon, SAMPLE_TIME_S, chosen, out)
+        return out[0]
+
+    def _run(self, theta: FloatArray, m: int, gains: FloatArray, horizon: int) -> FloatArray:
+        prepared, deviations = self._prepared[m], self._deviations(theta)
+        true = self._true(deviations, prepared, gains, horizon, prepared.chosen)
+        return measured_signals(deviations, prepared.signals, true, prepared.carriers)
+
+    def _step_of(self, theta: FloatArray, column: int) -> float:
+        parameter = self.parameters[column]
+        step = _STEP_SHARE * parameter.effect_std
+        return step if theta[column] + step <= parameter.high else -step
+
+    def _sweep(
+        self, theta: FloatArray, prepared: _Prepared, columns: Sequence[int], pool: ThreadPoolExecutor
+    ) -> FloatArray:
+        """Derivatives (n, c, len(columns)) of one manoeuvre."""
+        deviations = self._deviations(theta)
+        base_true = self._true(deviations, prepared, GAINS, 0, prepared.chosen)
+        base = measured_signals(deviations, prepared.signals, base_true, prepared.carriers)
+        analytic = sensor_columns(deviations, prepared.signals, base_true, prepared.carriers)
+        result = np.zeros((*base.shape, len(columns)))
+
+        def derive(place: int) -> None:
+            column = columns[place]
+            name = self.columns[column]
+            if name in analytic and not name.startswith(_OBSERVED_SENSORS):
+                result[:, :, place] = analytic[name]
+                return
+            step = self._step_of(theta, column)
+            changed = {**deviations, name: float(theta[column]) + step}
+            true = self._true(changed, prepared, GAINS, 0, prepared.chosen)
+            moved = measured_signals(changed, prepared.signals, true, prepared.carriers)
+            result[:, :, place] = (moved - base) / step
+
+        list(pool.map(derive, range(len(columns))))
+        return result

@@ -1,0 +1,115 @@
+"""Logs of the MuJoCo car with ideal sensors: what the replay has to predict from the same vehicle file."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hydraulics import HydraulicUnit
+from model_diagnosis.manoeuvre import Manoeuvre
+from signals.wheels import WHEELS
+from vehicle_model import Plant
+from vehicle_model.road_file import RoadFile
+from vehicle_model.vehicle_file import VehicleFile
+
+FloatArray = NDArray[np.float64]
+Course = Callable[[float], tuple[Sequence[float], float, float]]
+"""Time [s] to pressures of the four wheels [Pa], drive torque of the driven axle [N m], steering-wheel angle [rad]."""
+
+_TRUTH = {
+    **{f"wheel_speed_{wheel}": f"true_wheel_speed_{wheel}" for wheel in WHEELS},
+    "speed": "speed",
+    "lateral_speed": "lateral_speed",
+    "yaw_rate": "true_yaw_rate",
+    "roll_angle": "roll_angle",
+    "pitch_angle": "pitch_angle",
+    **{f"vertical_load_{wheel}": f"vertical_load_{wheel}" for wheel in WHEELS},
+}
+
+
+def ideal_sensors(vehicle: VehicleFile) -> VehicleFile:
+    """The vehicle with sensors that neither filter nor count edges: the plant's outputs are its signals."""
+    copied = vehicle.model_copy(deep=True)
+    copied.sensors.inertial.cut_off_frequency = 450.0
+    copied.sensors.wheel_speed.window = 0.001
+    return copied
+
+
+def drive(
+    vehicle: VehicleFile,
+    course: Course,
+    seconds: float,
+    speed_m_s: float,
+    road: RoadFile | None = None,
+    name: str = "plant",
+) -> Manoeuvre:
+    """Drive the MuJoCo car along a course of inputs and keep every tenth millisecond."""
+    plant = Plant(vehicle, road or RoadFile())
+    plant.reset(speed_m_s=speed_m_s)
+    gain = HydraulicUnit(vehicle.numbers())._parameters[0]["torque_per_pressure"].copy()
+    shares = np.array(vehicle.driveline.wheel_share())
+    rows: dict[str, list[float]] = {channel: [] for channel in _TRUTH}
+    extra: dict[str, list[float]] = {name: [] for name in ("longitudinal_acceleration", "lateral_acceleration")}
+    inputs = []
+    for tick in range(round(seconds * 1000.0) + 1):
+        pressures, torque, steer = course(tick * 1e-3)
+        if tick % 10 == 0:
+            state = plant.state()
+            for channel, source in _TRUTH.items():
+                rows[channel].append(state[source])
+            grade, bank = state["road_grade"], state["road_bank"]
+            extra["longitudinal_acceleration"].append(
+                state["true_longitudinal_acceleration"] + 9.81 * (grade - np.sin(state["pitch_angle"]))
+            )
+            extra["lateral_acceleration"].append(
+                state["true_lateral_acceleration"] + 9.81 * (bank + np.sin(state["roll_angle"]))
+            )
+            inputs.append((*pressures, torque, steer))
+        plant.step(1, brake_torque=gain * np.array(pressures), drive_torque=shares * torque, steer=steer)
+    given = np.array(inputs)
+    front = 2.0 * shares[0]
+    channels = {channel: np.array(values) for channel, values in (rows | extra).items()}
+    channels |= {f"brake_pressure_{wheel}": given[:, i] for i, wheel in enumerate(WHEELS)}
+    channels |= {
+        "drive_torque_f": front * given[:, 4],
+        "drive_torque_r": (1.0 - front) * given[:, 4],
+        "steering_wheel_angle": given[:, 5],
+    }
+    time = np.arange(len(given)) * 0.01
+    weights = {channel: np.ones(len(time)) for channel in channels}
+    return Manoeuvre(name, time, channels, weights, "the MuJoCo car")
+
+
+def gentle_stop(time: float) -> tuple[Sequence[float], float, float]:
+    """30 bar from 0.5 s, straight."""
+    pressure = 3e6 * min(max((time - 0.5) / 0.2, 0.0), 1.0)
+    return [pressure] * 4, 0.0, 0.0
+
+
+def pulsed_stop(time: float) -> tuple[Sequence[float], float, float]:
+    """Pressure trains of an ABS at 5 Hz near the limit."""
+    if time < 0.5:
+        return [0.0] * 4, 0.0, 0.0
+    phase = (time * 5.0) % 1.0
+    front = 6e6 + 5e6 * (1.0 - phase if phase > 0.35 else phase / 0.35)
+    return [front, front, 0.5 * front, 0.5 * front], 0.0, 0.0
+
+
+def sine_steer(time: float) -> tuple[Sequence[float], float, float]:
+    """0.7 Hz, 60 degrees at the steering wheel, light drive torque."""
+    angle = 1.05 * np.sin(2.0 * np.pi * 0.7 * (time - 0.5)) if time > 0.5 else 0.0
+    return [0.0] * 4, 150.0, float(angle)
+
+
+def brake_in_turn(time: float) -> tuple[Sequence[float], float, float]:
+    """Circle, then 25 bar."""
+    angle = 0.9 * min(max((time - 0.3) / 0.5, 0.0), 1.0)
+    pressure = 2.5e6 * min(max((time - 2.5) / 0.2, 0.0), 1.0)
+    return [pressure] * 4, 0.0 if time > 2.4 else 200.0, angle
+
+
+def coast_and_drive(time: float) -> tuple[Sequence[float], float, float]:
+    """Coast, then a step of drive torque, then light braking."""
+    torque = 1500.0 if 2.0 < time < 5.0 else 0.0
+    pressure = 8e5 if time > 6.0 else 0.0
+    return [pressure] * 4, torque, 0.0
