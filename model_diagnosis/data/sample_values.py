@@ -63,12 +63,14 @@ def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
     usual = float(np.percentile(np.abs(np.delete(steps, jumps)), 99.0)) if len(jumps) < len(steps) else 0.0
     if span == 0.0 or not len(jumps) or len(jumps) > len(steps) // 10 or span < 20.0 * usual:
         return channel, []
-    if np.any(np.diff(jumps) <= 2):
-        return channel, []  # there and back at once: a spike
     trend = np.array([_trend(steps, int(k), set(jumps.tolist())) for k in jumps])
     sizes = np.abs(steps[jumps] - trend)
     wrap = float(np.median(sizes))
-    if np.max(np.abs(sizes - wrap)) > max(4.0 * usual, 0.02 * wrap):
+    tolerance = max(4.0 * usual, 0.02 * wrap)
+    low, high = float(values.min()), float(values.max())
+    ends = np.maximum(values[jumps], values[jumps + 1]), np.minimum(values[jumps], values[jumps + 1])
+    at_the_ends = np.all(high - ends[0] < 3.0 * tolerance) and np.all(ends[1] - low < 3.0 * tolerance)
+    if np.max(np.abs(sizes - wrap)) > tolerance or not at_the_ends:
         return channel, []
     turns = np.zeros(len(values))
     turns[1:][jumps] = -np.sign(steps[jumps])
