@@ -1,0 +1,203 @@
+"""Late channels, messages and loggers: the fewest delays that explain the lags between all twins.
+
+The lag of a twin is compared with what the car itself makes of it: with the lag of the same twin in a replay where
+there is one, else with a usual car's within a wide tolerance. Data are shifted by whole samples, since interpolation
+would smooth the noise.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model_diagnosis.data.faults import joined
+from model_diagnosis.data.geometry import Geometry
+from model_diagnosis.data.lags import FINE_BAND_HZ, find_lag
+from model_diagnosis.data.samples import FloatArray
+from model_diagnosis.data.twins import Twin, members, twins_of
+from model_diagnosis.data.unit_checks import CORRELATED
+from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from model_diagnosis.result import DataFault
+
+INERTIAL = ("longitudinal_acceleration", "lateral_acceleration", "yaw_rate")
+_INPUTS = ("brake_pressure", "steering", "drive_torque")
+_ENOUGH = 0.6
+_REPLAYED_TOLERANCE_S = 0.006
+_NAMED_S = 0.015
+_MARGIN = 16.0
+_PENALTY = 9.0
+_MOST = 3
+
+
+@dataclass(frozen=True)
+class LagRelation:
+    """Lag of one group against another beyond what the car makes of it [s], and its spread."""
+
+    late: str
+    early: str
+    lag_s: float
+    std_s: float
+
+
+@dataclass(frozen=True)
+class Late:
+    """Groups that are late together.
+
+    Attributes
+    ----------
+    kind : of the data fault
+    groups : of the twins
+    channels : catalogue names
+    """
+
+    kind: str
+    groups: frozenset[str]
+    channels: tuple[str, ...]
+    delay_s: float = 0.0
+    std_s: float = 0.0
+    gain: float = 0.0
+
+
+def lag_relations(
+    manoeuvres: Sequence[Manoeuvre], geometry: Geometry, replayed: Sequence[Manoeuvre] | None = None
+) -> list[LagRelation]:
+    """Lags of all twins that correlate, less those of the replayed manoeuvres or of a usual car."""
+    reference = {twin.kind.name: twin for twin in twins_of(replayed, geometry)} if replayed else {}
+    found = []
+    for twin in twins_of(manoeuvres, geometry):
+        relation = _lag_relation(twin, reference.get(twin.kind.name))
+        if relation is not None:
+            found.append(relation)
+    return found
+
+
+def _lag_relation(twin: Twin, simulated: Twin | None) -> LagRelation | None:
+    sides = twin.left, twin.right, twin.valid
+    coarse = find_lag(*sides, widest_lag_s=0.4, sign=1)
+    if coarse.correlation < CORRELATED:
+        coarse = find_lag(*sides, sign=1)
+    if coarse.correlation < _ENOUGH:
+        return None
+    fine = find_lag(*sides, around_s=coarse.lag_s, widest_lag_s=0.15, band_hz=FINE_BAND_HZ, sign=1)
+    estimate = fine if fine.correlation > _ENOUGH else coarse
+    usual, tolerance = twin.kind.usual_lag_s, twin.kind.lag_tolerance_s
+    if simulated is not None:
+        band = FINE_BAND_HZ if estimate is fine else (0.15, 3.0)
+        own = find_lag(simulated.left, simulated.right, twin.valid, widest_lag_s=0.3, band_hz=band, sign=1)
+        if own.correlation > CORRELATED:
+            usual, tolerance = own.lag_s, float(np.hypot(own.std_s, _REPLAYED_TOLERANCE_S))
+    spread = float(np.sqrt(estimate.std_s**2 + tolerance**2 + (0.1 * SAMPLE_TIME_S) ** 2))
+    return LagRelation(twin.kind.late, twin.kind.early, estimate.lag_s - usual, spread)
+
+
+def candidates(manoeuvres: Sequence[Manoeuvre]) -> list[Late]:
+    """Every set of groups that may be late together: one group, a CAN message, a logger, the inertial unit."""
+    channels = list(dict.fromkeys(name for m in manoeuvres for name in m.channels))
+    origins = {name: origin for m in manoeuvres for name, origin in m.origins.items()}
+    singles = [g for g in ("wheel_speed", *_INPUTS, *INERTIAL, "speed", "yaw_angle") if members(g, channels)]
+    found = [_single(group, members(group, channels)) for group in singles]
+    inertial = [name for name in INERTIAL if name in channels]
+    if len(inertial) > 1:
+        found.append(Late("can_latency", frozenset(inertial), tuple(inertial)))
+    for kind, sets in (("can_latency", _sets(origins, message=True)), ("clock_offset", _sets(origins, message=False))):
+        for names in sets:
+            groups = frozenset(g for g in singles if set(members(g, channels)) <= set(names))
+            if groups and groups != frozenset(singles):
+                found.append(Late(kind, groups, tuple(n for n in channels if n in names)))
+    return found
+
+
+def _single(group: str, channels: Sequence[str]) -> Late:
+    kind = {"wheel_speed": "wheel_speed_delay", "speed": "clock_offset"}.get(group, "channel_delay")
+    return Late(kind, frozenset({group}), tuple(channels))
+
+
+def _sets(origins: Mapping[str, str], *, message: bool) -> list[set[str]]:
+    """Channels of each message, or of each logger, where there is more than one."""
+    keys = {n: o if message else o.partition(":")[0] for n, o in origins.items() if not message or ":" in o}
+    sets = [{n for n, key in keys.items() if key == one} for one in dict.fromkeys(keys.values())]
+    return sets if len(sets) > 1 else []
+
+
+def explain_lags(relations: Sequence[LagRelation], sets: Sequence[Late]) -> list[Late]:
+    """The fewest late sets that explain the lags, one after the other, each with its delay.
+
+    A set of channels is late, seldom early: a negative delay needs more evidence unless it is a whole logger's clock.
+    """
+    accepted: list[Late] = []
+    for _ in range(_MOST):
+        base = _fit(relations, accepted)[1]
+        best: tuple[float, list[Late]] | None = None
+        for late in sets:
+            if any(late.groups & other.groups == late.groups for other in accepted):
+                continue
+            fitted, cost = _fit(relations, [*accepted, late])
+            price = _price(fitted[-1], relations)
+            if best is None or cost + price < best[0]:
+                best = cost + price, [*fitted[:-1], replace(fitted[-1], gain=0.5 * (base - cost))]
+        if best is None or base - best[0] < _MARGIN - _PENALTY:
+            break
+        newest = best[1][-1]
+        if abs(newest.delay_s) < max(_NAMED_S, 3.0 * newest.std_s):
+            break
+        accepted = best[1]
+    return accepted
+
+
+def _price(late: Late, relations: Sequence[LagRelation]) -> float:
+    early = 0.0 if late.delay_s >= 0.0 or late.kind == "clock_offset" else 0.5 * _PENALTY
+    touched = {g for r in relations for g in (r.late, r.early)}
+    return _PENALTY + early + 0.1 * len(late.groups - touched) + 0.01 * len(late.groups)
+
+
+def _fit(relations: Sequence[LagRelation], sets: Sequence[Late]) -> tuple[list[Late], float]:
+    """Delays of given sets by weighted least squares, and the cost that remains."""
+    if not relations:
+        return list(sets), 0.0
+    weights = np.array([1.0 / r.std_s for r in relations])
+    target = np.array([r.lag_s for r in relations]) * weights
+    if not sets:
+        return [], float(np.sum(target**2))
+    columns = np.array([[float(r.late in s.groups) - float(r.early in s.groups) for s in sets] for r in relations])
+    design = columns * weights[:, None]
+    delays, *_ = np.linalg.lstsq(design, target, rcond=None)
+    spread = np.sqrt(np.diag(np.linalg.pinv(design.T @ design)))
+    cost = float(np.sum((target - design @ delays) ** 2))
+    fitted = [replace(s, delay_s=float(d), std_s=float(e)) for s, d, e in zip(sets, delays, spread, strict=True)]
+    return fitted, cost
+
+
+def shifted(manoeuvre: Manoeuvre, channels: Sequence[str], delay_s: float) -> Manoeuvre:
+    """The manoeuvre with late channels taken earlier by whole samples; what then lacks has weight 0."""
+    shift = round(delay_s / SAMPLE_TIME_S)
+    if shift == 0:
+        return manoeuvre
+    moved = {n: _earlier(v, shift, float("nan")) if n in channels else v for n, v in manoeuvre.channels.items()}
+    weights = {n: _earlier(w, shift, 0.0) if n in channels else w for n, w in manoeuvre.weights.items()}
+    return replace(manoeuvre, channels=moved, weights=weights)
+
+
+def _earlier(values: FloatArray, shift: int, fill: float) -> FloatArray:
+    """Values taken ``shift`` samples earlier; the open end holds its last value, or ``fill`` where that is a number."""
+    rows = np.arange(len(values)) + shift
+    inside = (rows >= 0) & (rows < len(values))
+    taken: FloatArray = values[np.clip(rows, 0, len(values) - 1)]
+    return taken if np.isnan(fill) else np.where(inside, taken, fill)
+
+
+def fault_of(late: Late) -> DataFault:
+    """The fault of a late set, as repaired by a whole-sample shift."""
+    word = "late" if late.delay_s > 0.0 else "early"
+    message = (
+        f"{joined(late.channels)}: {1e3 * abs(late.delay_s):.0f} ms {word} against the other channels "
+        f"(± {1e3 * late.std_s:.0f} ms); shifted by {round(late.delay_s / SAMPLE_TIME_S)} samples"
+    )
+    return DataFault(
+        kind=late.kind,
+        channel=joined(late.channels),
+        value=late.delay_s,
+        unit="s",
+        evidence=late.gain,
+        repaired=True,
+        message=message,
+    )
