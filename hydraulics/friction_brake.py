@@ -2,8 +2,8 @@
 
     M = 2 A µ R p_c,   µ = µ_0 (1 - glazing) fade(T) (speed)^b,   C dT/dt = share M |ω| - (h_0 + h_1 |ω|) (T - T_air)
 
-(eq. 78 of the friction document; the heat balance is the usual lumped one.) Every effect has a neutral value that
-leaves the torque bit for bit at 2 A µ_0 R p.
+(eq. 78 of the friction document; the heat balance is the usual lumped one; a caliper's time constant, if it has one,
+lets M lag). Every effect has a neutral value that leaves the torque bit for bit at 2 A µ_0 R p.
 """
 
 import math
@@ -61,6 +61,10 @@ def brake_torque(p: Any, s: Any, wheel: int, wheel_speed: float) -> float:
     """
     omega = abs(wheel_speed)
     torque = p.torque_per_pressure[wheel] * _clamping_pressure(p, s, wheel) * _friction_share(p, s, wheel, omega)
+    lag = p.caliper_time_constant
+    if lag != 0.0:
+        torque = (lag * s.lagged_torque[wheel] + STEP_S * torque) / (lag + STEP_S)
+        s.lagged_torque[wheel] = torque
     torque += p.drag_torque[wheel]
     above = s.disc_temperature[wheel] - p.ambient_temperature
     cooling = (p.disc_cooling[wheel] + p.disc_cooling_per_speed[wheel] * omega) * above

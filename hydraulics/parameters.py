@@ -138,6 +138,7 @@ PARAMETERS: tuple[Parameter, ...] = (
     _hydraulics("fluid_temperature", "degC", 20.0, -40.0, 150.0, "of the brake fluid in lines and valves", "neutral"),
     _hydraulics("laminar_share", "1", 0.1, 0.0, 1.0, "of the valves' resistance, which grows with viscosity", _USUAL),
     Parameter("brakes.ambient_temperature", "degC", 20.0, -60.0, 80.0, "of the air at the discs", _USUAL),
+    Parameter("brakes.caliper_time_constant", "s", 0.0, 0.0, 0.2, "lag of the torque behind the pressure", "neutral"),
     *_per_wheel("pad_glazing", "1", 1.0, "share of the pads' friction lost to a glazed surface", section="brakes"),
     *_per_wheel("piston_friction", "Pa", 5e7, "pressure that the caliper's piston needs to move", section="brakes"),
     *_per_wheel("drag_torque", "N m", 1e3, "torque without pressure", section="brakes"),

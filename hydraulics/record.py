@@ -68,6 +68,7 @@ PARAMETER_RECORD = np.dtype(
         ("torque_per_pressure", "f8", (4,)),
         *[(name, "f8", (4,)) for name in (*_UNIT_WHEELS, *_BRAKE_WHEELS, *_BRAKE_AXLES)],
         ("ambient_temperature", "f8"),
+        ("caliper_time_constant", "f8"),
         ("inlet_delay", "i8", (4,)),
         ("outlet_delay", "i8", (4,)),
         ("logic", "i8", (32,)),
@@ -99,6 +100,7 @@ def fill_record(values: Mapping[str, float], record: NDArray[np.void]) -> None:
         entry["circuit_failure"][number] = values[f"hydraulics.{circuit}_circuit_failure"]
         entry["accumulator_blocked"][number] = values[f"hydraulics.{circuit}_accumulator_blocked"]
     entry["ambient_temperature"] = values["brakes.ambient_temperature"]
+    entry["caliper_time_constant"] = values["brakes.caliper_time_constant"]
     for wheel, suffix in enumerate(WHEELS):
         _fill_wheel(values, entry, wheel, suffix)
 

@@ -22,6 +22,7 @@ STATE_RECORD = np.dtype(
         ("clamping", "f8", (4,)),  # pressure at the pads
         ("disc_temperature", "f8", (4,)),
         ("disc_angle", "f8", (4,)),
+        ("lagged_torque", "f8", (4,)),
         ("master_history", "f8", (LONGEST_DELAY_STEPS,)),
         ("inlet_history", "f8", (LONGEST_DELAY_STEPS, 4)),
         ("outlet_history", "f8", (LONGEST_DELAY_STEPS, 4)),

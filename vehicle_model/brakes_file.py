@@ -89,6 +89,7 @@ class Brakes(FileModel):
     ambient_temperature: float = parameter(
         "degC", 20.0, low=-60.0, high=80.0, description="of the air at the discs", source=_ASSUMED
     )
+    caliper_time_constant: float = _from_zero("lag of the torque behind the pressure at the pads", "s", 0.2)
     pad_glazing_fl: float = _from_zero("share of the pads' friction lost to a glazed surface", "1", 1.0)
     pad_glazing_fr: float = _from_zero("share of the pads' friction lost to a glazed surface", "1", 1.0)
     pad_glazing_rl: float = _from_zero("share of the pads' friction lost to a glazed surface", "1", 1.0)

@@ -58,6 +58,7 @@ BRAKE_FACTOR, BRAKE, DRIVE, FRICTION_FACTOR, SIDE_FORCE, ROLLING, RADIUS_FACTOR,
     _PITCH,
     _TIME,
     _DISTANCE,
+    _STOP_ENERGY,
     _WHEEL_SPEED,
     _WHEEL_ANGLE,
     _AXLE_DIFFERENCE,
@@ -72,16 +73,17 @@ BRAKE_FACTOR, BRAKE, DRIVE, FRICTION_FACTOR, SIDE_FORCE, ROLLING, RADIUS_FACTOR,
     _DRIVE_TORQUE,
     _PRESSURE,
     _DISC_TEMPERATURE,
-    _STOP_ENERGY,
-    _TYRE_TEMPERATURE,
+    _TYRE_HEATING,
 ) = range(len(VARIABLES))
 _POWER, _ABOVE, _BELOW, _STEP, _LIMITED, _SINE, _RELAY, _DIRECTION = range(len(FUNCTIONS))
 _ODD = 2
 
 _SLOWEST_M_S = 0.5
 """Speed below which slip is not defined and a term sees none."""
-_RELEASED_N_M = 1.0
-"""Brake torque below which a stop has ended."""
+_RELEASED_PA = 1e5
+"""Pressure in all brakes below which a stop has ended."""
+_TREAD_SHARE = 0.5
+"""Of the sliding work that warms the tread; the road takes the rest."""
 
 
 @njit(cache=True)
@@ -126,10 +128,8 @@ def _wheel_variable(
         return brake[i] / p.torque_per_pressure[i] if p.torque_per_pressure[i] > 0.0 else 0.0
     if kind == _DISC_TEMPERATURE:
         return p.disc_start_temperature[i] + s.disc_heating[i]
-    if kind == _STOP_ENERGY:
-        return s.stop_energy[i]
-    if kind == _TYRE_TEMPERATURE:
-        return p.ambient_temperature + s.tyre_heating[i]
+    if kind == _TYRE_HEATING:
+        return s.tyre_heating[i]
     along, across = _along_and_across(s, i)
     rolling = p.radius[i] * omega
     if kind == _SLIDING:
@@ -161,6 +161,8 @@ def _car_variable(
         return math.atan2(s.rotation[2, 1], s.rotation[2, 2])
     if kind == _PITCH:
         return -math.asin(s.rotation[2, 0])
+    if kind == _STOP_ENERGY:
+        return s.stop_energy
     return time if kind == _TIME else s.distance
 
 
@@ -218,18 +220,24 @@ def _remembering(t: Record, k: int, wheel: int, x: float) -> float:
 
 @njit(cache=True)
 def _update_heat(p: Record, s: Record, v: NDArray[np.float64], brake: NDArray[np.float64], step: float) -> None:
-    """Heat of discs and treads, and what each brake took since it was last released."""
+    """Heat of discs and treads, and the energy that the brakes took since they were last released."""
+    released = True
     for i in range(4):
+        released = released and brake[i] < _RELEASED_PA * p.torque_per_pressure[i]
+        s.stop_energy += step * s.brake_torque[i] * abs(v[VELOCITY_SPIN[i]] - s.carrier_spin[i])
         omega = abs(v[VELOCITY_SPIN[i]] - s.carrier_spin[i])
         power = max(brake[i], 0.0) * omega
         cooling = p.disc_cooling[i] + p.disc_cooling_per_speed[i] * omega
         above = p.disc_start_temperature[i] + s.disc_heating[i] - p.ambient_temperature
         s.disc_heating[i] += step * (p.disc_heat_share[i] * power - cooling * above) / p.disc_heat_capacity[i]
-        s.stop_energy[i] = s.stop_energy[i] + step * power if brake[i] > _RELEASED_N_M else 0.0
         along, across = _along_and_across(s, i)
         sliding_x = p.radius[i] * (v[VELOCITY_SPIN[i]] - s.carrier_spin[i]) - along
         work = abs(s.force_x[i] * sliding_x) + abs(s.force_y[i] * across)
-        s.tyre_heating[i] += step * (work / p.tyre_heat_capacity - p.tyre_cooling_rate * s.tyre_heating[i])
+        s.tyre_heating[i] += step * (
+            _TREAD_SHARE * work / p.tyre_heat_capacity - p.tyre_cooling_rate * s.tyre_heating[i]
+        )
+    if released:
+        s.stop_energy = 0.0
 
 
 @njit(cache=True)

@@ -39,6 +39,7 @@ CarVariable = Literal[
     "pitch_angle",
     "time",
     "distance",
+    "stop_energy",
 ]
 WheelVariable = Literal[
     "wheel_speed",
@@ -55,8 +56,7 @@ WheelVariable = Literal[
     "drive_torque",
     "brake_pressure",
     "brake_disc_temperature",
-    "stop_energy",
-    "tyre_temperature",
+    "tyre_heating",
 ]
 CAR_VARIABLES: tuple[str, ...] = get_args(CarVariable)
 WHEEL_VARIABLES: tuple[str, ...] = get_args(WheelVariable)
@@ -72,6 +72,7 @@ VARIABLE_UNITS: dict[str, str] = {
     "pitch_angle": "rad",
     "time": "s",
     "distance": "m",
+    "stop_energy": "J",
     "wheel_speed": "rad/s",
     "wheel_angle": "rad",
     "axle_speed_difference": "rad/s",
@@ -86,8 +87,7 @@ VARIABLE_UNITS: dict[str, str] = {
     "drive_torque": "N m",
     "brake_pressure": "Pa",
     "brake_disc_temperature": "degC",
-    "stop_energy": "J",
-    "tyre_temperature": "degC",
+    "tyre_heating": "degC",
 }
 
 Wheels = Literal["all", "front", "rear", "left", "right", "fl", "fr", "rl", "rr"]
@@ -225,8 +225,13 @@ class Terms(FileModel):
 
     stack: list[Term] = Field(default_factory=list, max_length=MOST_TERMS)
     tyre_heat_capacity: float = parameter(
-        "J/degC", 5000.0, low=100.0, high=1e6, description="of a tread", source="assumed: 3 kg of rubber"
+        "J/degC", 5400.0, low=100.0, high=1e6, description="of a tread", source="assumed: 3 kg of rubber"
     )
     tyre_cooling_rate: float = parameter(
-        "1/s", 0.02, low=0.0, high=10.0, description="share of a tread's excess heat lost per time", source="assumed"
+        "1/s",
+        1.0 / 60.0,
+        low=0.0,
+        high=10.0,
+        description="share of a tread's excess heat lost per time",
+        source="assumed: a minute",
     )

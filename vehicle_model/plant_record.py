@@ -164,9 +164,9 @@ STATE_RECORD = np.dtype(
         ("air_energy", "f8"),
         ("drive_energy", "f8"),
         ("distance", "f8"),
-        # sums of the added terms by target and wheel; rise of temperature over the start's or the air's
+        # sums of the added terms by target and wheel; rises of temperature
         ("added", "f8", (len(TARGETS), 4)),
-        ("stop_energy", "f8", (4,)),
+        ("stop_energy", "f8"),
         ("disc_heating", "f8", (4,)),
         ("tyre_heating", "f8", (4,)),
     ],

@@ -139,3 +139,18 @@ def test_pad_exponents_and_threshold() -> None:
     lifted = Bench({"brakes.front.threshold_pressure": 2 * BAR})
     lifted.run(50.0, 0.0, 1.0)
     assert lifted.torque == pytest.approx(TORQUE_PER_BAR * (lifted.pressure_bar - 2.0), rel=1e-9)
+
+
+def test_a_calipers_lag_is_of_first_order() -> None:
+    """Release from 60 bar: the pressure of the brake alone against the torque that lags by 50 ms."""
+    slow, quick = Bench({"brakes.caliper_time_constant": 0.05}), Bench()
+    for bench in (slow, quick):
+        bench.run(60.0, 0.0, 2.0)
+    assert slow.torque == pytest.approx(quick.torque, rel=1e-6)
+    torque = slow.torque
+    for _ in range(100):
+        for bench in (slow, quick):
+            bench.run(0.0, 0.0, STEP_S)
+        # implicit Euler of tau dT/dt + T = k p
+        torque = (0.05 * torque + STEP_S * quick.torque) / (0.05 + STEP_S)
+        assert slow.torque == pytest.approx(torque, rel=1e-9)

@@ -42,7 +42,7 @@ CAMBER = {f"suspension.{axle}.{name}" for axle in ("front", "rear") for name in 
 """Curve tyres do not feel it; ``test_plant_tir`` shows what it does."""
 
 TERMS = [
-    {"target": "tyre_friction_factor", "coefficient": -1e-3, "factors": [{"variable": "tyre_temperature"}]},
+    {"target": "tyre_friction_factor", "coefficient": -1e-3, "factors": [{"variable": "tyre_heating"}]},
     {
         "target": "brake_torque_factor",
         "coefficient": 0.05,
