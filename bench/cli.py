@@ -15,6 +15,7 @@ from bench.commands import (
     check,
     compare,
     compare_surfaces,
+    diagnose,
     doctor,
     ecu,
     estimate,
@@ -66,6 +67,7 @@ app.command("compare-surfaces")(compare_surfaces.compare_surfaces)
 app.command("estimate")(estimate.estimate)
 app.command("schema")(schema.schema)
 app.add_typer(campaign.app, name="campaign")
+app.add_typer(diagnose.app, name="diagnose")
 app.add_typer(estimators.app, name="estimators")
 app.add_typer(vehicle.app, name="vehicle")
 app.add_typer(tyre.app, name="tyre")

@@ -1,0 +1,153 @@
+"""``bench diagnose``: what the simulation of a car gets wrong on measured data, and why."""
+
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from bench.commands.options import JsonOption, finish, print_json
+
+INSUFFICIENT_DATA = 3
+DEFAULT = "logs"
+
+Logs = Annotated[list[str], typer.Argument(metavar="LOG...", help="Measured logs, or runs of the bench.")]
+VehicleOption = Annotated[
+    str | None, typer.Option(metavar="NAME|FILE", help="Car; without it that of a run's scenario.")
+]
+ChannelsOption = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Channel map of measured logs; runs of the bench need none.")
+]
+
+
+class LogsFirst(TyperGroup):
+    """Takes the first word as a log where it is no subcommand, and shows the options of that in its help."""
+
+    _showing_help = False
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the name of the default command in front where a log or an option comes first."""
+        if args and args[0] not in self.commands and args[0] not in ctx.help_option_names:
+            args = [DEFAULT, *args]
+        return super().parse_args(ctx, args)
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Help with the options of the default command."""
+        self._showing_help = True
+        super().format_help(ctx, formatter)
+        self._showing_help = False
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Parameters; in the help those of the default command."""
+        return self.commands[DEFAULT].get_params(ctx) if self._showing_help else super().get_params(ctx)
+
+    def collect_usage_pieces(self, ctx: Any) -> list[str]:
+        """Usage line."""
+        return ["LOG...", "[OPTIONS] | COMMAND [ARGS]..."]
+
+
+app = typer.Typer(cls=LogsFirst, no_args_is_help=True, rich_markup_mode="markdown")
+
+
+@app.callback()
+def diagnose() -> None:
+    """Say what the simulation of a car gets wrong on measured data, name the cause, extend the car, measure the gain.
+
+    Logs are MF4, CSV, Parquet, or BLF, ASC and candump with a DBC, read through a channel map; or runs of the bench.
+    Results: diagnosis.html (pictures first), diagnosis.json and, where something was found that also gains on data
+    that took no part, extended_vehicle.yaml. Exit code 3 where the data cannot answer. How to read it:
+    docs/diagnosis.md.
+
+    Examples: bench diagnose runs/worn_pads --vehicle ekf_car
+
+    bench diagnose stops.mf4 turns.mf4 --vehicle car.yaml --channels map.yaml --hold-out monday.mf4 --out result
+    """
+
+
+@app.command(DEFAULT, hidden=True)
+def logs(
+    logs: Logs,
+    vehicle: VehicleOption = None,
+    channels: ChannelsOption = None,
+    hold_out: Annotated[
+        list[str] | None,
+        typer.Option("--hold-out", metavar="LOG", help="Log that only measures the gain; repeat for several."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Default: diagnosis/ in the run's folder, or diagnosis/LOG for another log."),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the bootstraps.")] = 0,
+    open_page: Annotated[bool, typer.Option("--open", help="Show the page in the browser.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Diagnose logs.
+
+    Example: bench diagnose logs runs/worn_pads --vehicle ekf_car
+    """
+    from bench.diagnosis.diagnosing import PAGE_FILE, default_folder, find, write
+    from bench.diagnosis.printing import print_diagnosis
+    from bench.diagnosis.progress import SearchProgress
+    from bench.report.summary import output_console
+
+    with SearchProgress() as progress:
+        findings = find(logs, vehicle, channels=channels, hold_out=hold_out or [], seed=seed, progress=progress)
+    written = write(findings, out or default_folder(logs), vehicle)
+    if as_json:
+        print_json(written.as_json())
+    else:
+        print_diagnosis(written, output_console())
+    if open_page:
+        typer.launch((written.folder / PAGE_FILE).absolute().as_uri())
+    finish(INSUFFICIENT_DATA if written.diagnosis.verdict == "insufficient_data" else 0)
+
+
+@app.command("explain")
+def explain(
+    effect: Annotated[
+        str, typer.Argument(metavar="EFFECT", help="Name of an effect; bench diagnose effects lists them.")
+    ],
+    as_json: JsonOption = False,
+) -> None:
+    """Explain an effect of the catalogue: equation, parameters, where it shows, what it looks like.
+
+    Example: bench diagnose explain brake_pad_friction
+    """
+    from bench.diagnosis.explaining import effect_json, effect_text
+    from model_diagnosis.effects.catalogue import effect as find_effect
+
+    found = find_effect(effect)
+    if as_json:
+        print_json(effect_json(found))
+    else:
+        print(effect_text(found))
+
+
+@app.command("effects")
+def effects(
+    text: Annotated[str, typer.Argument(help="Only those whose name, group or equation contains this.")] = "",
+    as_json: JsonOption = False,
+) -> None:
+    """List the effects that a diagnosis can name.
+
+    Example: bench diagnose effects hydraulics
+    """
+    from bench.diagnosis.explaining import catalogue_text, effect_json
+    from model_diagnosis.effects.catalogue import EFFECTS
+    from signals.errors import InputError
+
+    wanted = text.lower()
+    shown = [e for e in EFFECTS if wanted in f"{e.name} {e.group.value} {e.equation}".lower()]
+    if not shown:
+        raise InputError(f"no effect contains {text!r}", mend="all of them: bench diagnose effects")
+    if as_json:
+        print_json([effect_json(e) for e in shown])
+    else:
+        print(catalogue_text(shown))
+
+
+CHALLENGE = "bench.commands.diagnose_challenge"
+if find_spec(CHALLENGE) is not None:
+    app.command("challenge")(import_module(CHALLENGE).challenge)

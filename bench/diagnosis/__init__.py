@@ -1,0 +1,4 @@
+"""``bench diagnose``: logs or recordings in, files and words out.
+
+from bench.diagnosis.diagnosing import diagnose
+"""

@@ -1,0 +1,198 @@
+"""From logs to a folder with ``diagnosis.html``, ``diagnosis.json`` and the extended vehicle file.
+
+>>> import bench
+>>> diagnosis = bench.diagnose(["runs/worn_pads"], "ekf_car")
+>>> diagnosis.verdict, [cause.effect for cause in diagnosis.causes]
+"""
+
+import json
+import os
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from bench.diagnosis.recordings import as_log, car_of, recording_of
+from model_diagnosis.findings import Findings
+from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.rating import ratings_of
+from model_diagnosis.result import Diagnosis
+from signals.errors import InputError
+from signals.measured.channel_map import ChannelMap, load_channel_map
+from vehicle_model.vehicle_file import VehicleFile, load_vehicle
+
+Progress = Callable[[str, float], None]
+PAGE_FILE, ANSWER_FILE, VEHICLE_FILE = "diagnosis.html", "diagnosis.json", "extended_vehicle.yaml"
+
+
+@dataclass(frozen=True)
+class Written:
+    """A diagnosis and the folder that its files are in."""
+
+    findings: Findings
+    folder: Path
+
+    @property
+    def diagnosis(self) -> Diagnosis:
+        """The answer."""
+        return self.findings.diagnosis
+
+    def as_json(self) -> dict[str, Any]:
+        """Contents of ``diagnosis.json`` and the folder."""
+        return {"folder": str(self.folder)} | answer_json(self.diagnosis)
+
+
+def diagnose(
+    logs: str | Path | Sequence[str | Path],
+    vehicle: str | Path | None = None,
+    *,
+    channels: str | Path | None = None,
+    hold_out: Sequence[str | Path] = (),
+    out: str | Path | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Say what the simulation of a car gets wrong on measured data, and why.
+
+    Parameters
+    ----------
+    logs : path or sequence of paths
+        Logs of any format with ``channels``, or recordings of the bench.
+    vehicle : name or path, optional
+        Vehicle file; without it the one that a recording of the bench was made with.
+    channels : path, optional
+        Channel map of the logs; recordings of the bench need none.
+    hold_out : sequence of paths
+        Logs that take no part in the search and measure the gain.
+    out : path, optional
+        Folder for page, answer and extended vehicle file; nothing is written without it.
+    seed : int
+        Of the bootstraps.
+    progress : callable, optional
+        Told what is being done and the share done, 0 to 1.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, or holds nothing that can be compared with a simulation.
+    """
+    found = find(_texts(logs), vehicle, channels=channels, hold_out=_texts(hold_out), seed=seed, progress=progress)
+    if out is not None:
+        found = write(found, Path(out), vehicle).findings
+    return found.diagnosis
+
+
+def find(
+    logs: Sequence[str],
+    vehicle: str | Path | None,
+    *,
+    channels: str | Path | None = None,
+    hold_out: Sequence[str] = (),
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Findings:
+    """The diagnosis with the arrays behind it (`diagnose` for the parameters)."""
+    from bench.loop.versions import versions
+    from model_diagnosis.diagnosis import diagnose as diagnose_manoeuvres
+
+    both = sorted(set(logs) & set(hold_out))
+    if both:
+        raise InputError(f"{both[0]}: is diagnosed and held out at once", mend="name it once, here or after --hold-out")
+    channel_map = None if channels is None else load_channel_map(channels)
+    car = open_vehicle(logs, vehicle, channel_map)
+    searched = read(logs, car, channel_map)
+    held_out = read(hold_out, car, channel_map) if hold_out else None
+    findings = diagnose_manoeuvres(searched, car, hold_out=held_out, seed=seed, progress=progress)
+    answer = findings.diagnosis.model_copy(
+        update={
+            "ratings": {
+                part.manoeuvre.name: {name: round(rated.overall, 4) for name, rated in ratings_of(part).items()}
+                for part in findings.manoeuvres
+            },
+            "versions": findings.diagnosis.versions | versions(),
+        }
+    )
+    return replace(findings, diagnosis=answer, logs=[*logs, *hold_out])
+
+
+def read(logs: Sequence[str], vehicle: VehicleFile, channel_map: ChannelMap | None) -> list[Manoeuvre]:
+    """Manoeuvres of logs through a channel map, or without one of recordings of the bench.
+
+    Raises
+    ------
+    InputError
+        If a log needs a channel map and there is none.
+    """
+    from model_diagnosis.data import read_manoeuvres
+
+    if channel_map is not None:
+        return read_manoeuvres(logs, channel_map, vehicle)
+    manoeuvres: list[Manoeuvre] = []
+    with tempfile.TemporaryDirectory() as folder:
+        for log in logs:
+            recording = recording_of(log)
+            if recording is None:
+                raise _needs_map(log)
+            path, own_map = as_log(recording, Path(folder))
+            manoeuvres += read_manoeuvres([path], own_map, vehicle)
+    return manoeuvres
+
+
+def open_vehicle(logs: Sequence[str], vehicle: str | Path | None, channel_map: ChannelMap | None) -> VehicleFile:
+    """The car: as given, or that of a recording's scenario.
+
+    Raises
+    ------
+    InputError
+        If neither tells one, or the file has faults.
+    """
+    if vehicle is not None:
+        return load_vehicle(vehicle)
+    recordings = [] if channel_map is not None else [path for log in logs if (path := recording_of(log)) is not None]
+    if channel_map is None and len(recordings) < len(logs):
+        raise _needs_map(next(log for log in logs if recording_of(log) is None))
+    car = car_of(recordings)
+    if not car:
+        raise InputError(f"{logs[0]}: the log does not say which car it is", mend="give it: --vehicle NAME|FILE")
+    return load_vehicle(car)
+
+
+def write(findings: Findings, folder: Path, vehicle: str | Path | None) -> Written:
+    """Write page, answer and, where something was found that gains on held-out data, the extended vehicle file."""
+    from bench.diagnosis_report.page import build
+
+    folder.mkdir(parents=True, exist_ok=True)
+    build(findings, folder)
+    partial = folder / f".{ANSWER_FILE}.partial"
+    partial.write_text(json.dumps(answer_json(findings.diagnosis), indent=2, ensure_ascii=False) + "\n", "utf-8")
+    os.replace(partial, folder / ANSWER_FILE)
+    return Written(findings, folder)
+
+
+def default_folder(logs: Sequence[str]) -> Path:
+    """``diagnosis`` in the run's folder for a recording of the bench, ``diagnosis/LOG`` for another log."""
+    recording = recording_of(logs[0])
+    if recording is not None:
+        return (recording if recording.is_dir() else recording.parent) / "diagnosis"
+    return Path("diagnosis") / Path(logs[0]).name.split(".")[0]
+
+
+def answer_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Contents of ``diagnosis.json``; numbers that are not finite become null."""
+    content: dict[str, Any] = json.loads(diagnosis.model_dump_json())
+    return content
+
+
+def _texts(logs: str | Path | Sequence[str | Path]) -> list[str]:
+    several = [logs] if isinstance(logs, (str, Path)) else logs
+    return [str(log) for log in several]
+
+
+def _needs_map(log: str) -> InputError:
+    if not Path(log).exists():
+        return InputError(f"{log}: no such log and no such run", mend="runs: bench runs")
+    return InputError(
+        f"{log}: not recorded by the bench",
+        mend="say which column is which signal: --channels FILE (docs/diagnosis.md shows one)",
+    )

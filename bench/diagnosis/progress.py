@@ -1,0 +1,48 @@
+"""Progress of a long search on standard error: a bar on a terminal, a line for each step elsewhere."""
+
+import sys
+import time
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+
+class SearchProgress:
+    """A bar that is called with what is being done and the share done, 0 to 1.
+
+    Parameters
+    ----------
+    quiet : bool
+        Shows nothing.
+    """
+
+    def __init__(self, quiet: bool = False) -> None:
+        self._quiet = quiet
+        self._started = time.perf_counter()
+        self._said = ""
+        self._bar: Progress | None = None
+        if sys.stderr.isatty() and not quiet:
+            console = Console(stderr=True)
+            columns = (TextColumn("{task.description:<28}"), BarColumn(), TextColumn("{task.percentage:>3.0f} %"))
+            self._bar = Progress(*columns, TimeElapsedColumn(), console=console, transient=True)
+            self._task = self._bar.add_task("reading", total=1.0)
+
+    def __enter__(self) -> "SearchProgress":
+        if self._bar is not None:
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def __call__(self, step: str, share: float) -> None:
+        """Show what is being done and how much of the whole is done."""
+        if self._bar is not None:
+            self._bar.update(self._task, description=step, completed=share)
+        elif not self._quiet and step != self._said:
+            print(f"{time.perf_counter() - self._started:5.1f} s  {100 * share:3.0f} %  {step}", file=sys.stderr)
+            self._said = step
