@@ -31,8 +31,8 @@ def _approach(pressure: float, goal_before: float, goal: float, time_constant: f
 
 @njit(cache=True)
 def first_order_step(
-    parameter_record: Any,
-    state_record: Any,
+    parameters: Any,
+    state: Any,
     inlet: Any,
     outlet: Any,
     wheel_speed: Any,
@@ -45,7 +45,6 @@ def first_order_step(
     p_0 is what can be reached; closed inlet valves keep the pressure, open outlet valves let it fall to the low
     pressure with the same time constant.
     """
-    parameters, state = parameter_record[0], state_record[0]
     remember_inputs(state, inlet, outlet, master_pressure)
     pump = run_pump(parameters, state, pump_on)
     before, supply = state.delayed_supply, _delayed_master(parameters, state)

@@ -166,8 +166,8 @@ def run_pump(parameters: Any, state: Any, pump_on: float) -> int:
 
 @njit(cache=True)
 def hcu_step(
-    parameter_record: Any,
-    state_record: Any,
+    parameters: Any,
+    state: Any,
     inlet: Any,
     outlet: Any,
     wheel_speed: Any,
@@ -179,14 +179,13 @@ def hcu_step(
 
     Parameters
     ----------
-    parameter_record, state_record : shape (1,), dtypes ``PARAMETER_RECORD`` and ``STATE_RECORD``
+    parameters, state : records of ``PARAMETER_RECORD`` and ``STATE_RECORD``
     inlet, outlet : shape (4,), 1 where the valve is energised
     wheel_speed : shape (4,), rad/s
     out : shape (18,), block "hydraulics" of the catalogue
     master_pressure : Pa
     pump_on : above 0.5 while the pump is commanded
     """
-    parameters, state = parameter_record[0], state_record[0]
     remember_inputs(state, inlet, outlet, master_pressure)
     pump = run_pump(parameters, state, pump_on)
     supply = supply_pressure(parameters, pump, master_pressure)

@@ -10,11 +10,23 @@ from hydraulics.parameters import PARAMETERS
 from hydraulics.record import PARAMETER_RECORD, fill_record
 from hydraulics.selection_logic import LOGICS, SelectionLogic
 from hydraulics.state import STATE_RECORD
-from hydraulics.tick import first_order_tick, hcu_tick
+from hydraulics.tick import (
+    ADDRESSES,
+    AT_INLET,
+    AT_OUT,
+    AT_OUTLET,
+    AT_PARAMETERS,
+    AT_STATE,
+    AT_WHEEL_SPEED,
+    first_order_tick,
+    hcu_tick,
+)
+from signals.catalogue import block_slice
 from signals.errors import InputError, unknown_name
-from signals.record_memory import addresses_of
+from signals.record_memory import numbers_address
 
 STANDSTILL = np.zeros(4)
+_OUTPUTS = block_slice("hydraulics").stop - block_slice("hydraulics").start
 # other parameters that the course of a segment depends on
 _TIME_CONSTANTS = ("_conductance_", ".fluid_temperature", ".laminar_share")
 _BY_PATH = {parameter.path: parameter for parameter in PARAMETERS}
@@ -56,7 +68,11 @@ class HydraulicUnit:
         self.selection_logic = _logic(selection_logic)
         self._parameters[0]["logic"][:] = self.selection_logic.table.reshape(-1)
         self._step: Any = hcu_tick if brake == "hcu" else first_order_tick
-        self._records = addresses_of(self._parameters, self._state)
+        self._addresses = np.zeros(ADDRESSES, np.int64)
+        self._addresses[AT_PARAMETERS] = self._parameters.ctypes.data
+        self._addresses[AT_STATE] = self._state.ctypes.data
+        self._memory = self._addresses.ctypes.data
+        self._inlet = self._outlet = self._wheel_speed = self._out = np.zeros(0)
         self.reset()
 
     def reset(self) -> None:
@@ -90,7 +106,28 @@ class HydraulicUnit:
         wheel_speed : shape (4,), rad/s
             Heats the discs and counts where the torque depends on it.
         """
-        self._step(self._records, valve_inlet, valve_outlet, wheel_speed, out, master_pressure_pa, pump)
+        if (
+            valve_inlet is not self._inlet
+            or valve_outlet is not self._outlet
+            or wheel_speed is not self._wheel_speed
+            or out is not self._out
+        ):
+            self._take(valve_inlet, valve_outlet, wheel_speed, out)
+        self._step(self._memory, master_pressure_pa, pump)
+
+    def _take(
+        self,
+        inlet: NDArray[np.float64],
+        outlet: NDArray[np.float64],
+        wheel_speed: NDArray[np.float64],
+        out: NDArray[np.float64],
+    ) -> None:
+        """Use these arrays from now on: the same come tick by tick, so their addresses are kept."""
+        self._addresses[AT_INLET] = numbers_address(inlet, 4)
+        self._addresses[AT_OUTLET] = numbers_address(outlet, 4)
+        self._addresses[AT_WHEEL_SPEED] = numbers_address(wheel_speed, 4)
+        self._addresses[AT_OUT] = numbers_address(out, _OUTPUTS)
+        self._inlet, self._outlet, self._wheel_speed, self._out = inlet, outlet, wheel_speed, out
 
     def names(self) -> tuple[str, ...]:
         """Dotted paths of all parameters."""

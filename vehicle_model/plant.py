@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from signals.record_memory import numbers_address
 from vehicle_model.body_forces import steering_angle
 from vehicle_model.equilibrium import solve_equilibrium
 from vehicle_model.extension_terms import new_terms, write_terms
@@ -46,6 +47,8 @@ from vehicle_model.road_file import RoadFile
 from vehicle_model.tyres.coefficients import TYRE_SIZE
 from vehicle_model.tyres.kernel import PREPARED_SIZE
 from vehicle_model.vehicle_file import VehicleFile
+
+_BRAKE_PLACE, _DRIVE_PLACE = ADDRESS_NAMES.index("brake"), ADDRESS_NAMES.index("drive")
 
 
 class Plant(PlantAccess):
@@ -91,6 +94,7 @@ class Plant(PlantAccess):
         self._tyres = np.zeros((4, TYRE_SIZE))
         self._prepared = np.zeros((4, PREPARED_SIZE))
         self._brake, self._drive = np.zeros(4), np.zeros(4)
+        self._brake_in, self._drive_in = self._brake, self._drive
         self._time_s = 0.0
         self._model = build_model(self._bodies(), TIME_STEP_S / steps_per_tick)
         self._data, self._scratch = mujoco.MjData(self._model), mujoco.MjData(self._model)
@@ -98,6 +102,7 @@ class Plant(PlantAccess):
             self._write(section)
         self.outputs = np.zeros(len(PLANT_OUTPUTS))
         self._addresses = np.zeros(len(ADDRESS_NAMES), np.int64)
+        self._memory = self._addresses.ctypes.data
         self._take_addresses()
         self.reset(speed_m_s=0.0)
 
@@ -150,15 +155,22 @@ class Plant(PlantAccess):
             "heights": self._road.heights,
             "outputs": self.outputs,
             "terms": self._terms,
+            "brake": self._brake_in,
+            "drive": self._drive_in,
         }
         addresses = {name: array.ctypes.data for name, array in memory.items()}
         addresses |= {"model": self._model._address, "data": self._data._address}
         self._addresses[:] = [addresses[name] for name in ADDRESS_NAMES]
 
+    def _take_torques(self, brake: NDArray[np.float64], drive: NDArray[np.float64]) -> None:
+        """Read the torques from these arrays from now on: the same come tick by tick, so their addresses are kept."""
+        places = numbers_address(brake, 4), numbers_address(drive, 4)
+        self._addresses[_BRAKE_PLACE], self._addresses[_DRIVE_PLACE] = places
+        self._brake_in, self._drive_in = brake, drive
+
     def bind(self, view: NDArray[np.float64]) -> None:
         """Write the outputs into ``view`` (block "plant" of a signal vector) from now on."""
-        if view.shape != (len(PLANT_OUTPUTS),) or view.dtype != np.float64 or not view.flags.c_contiguous:
-            raise ValueError(f"found a view of shape {view.shape}, allowed: {len(PLANT_OUTPUTS)} consecutive float64")
+        numbers_address(view, len(PLANT_OUTPUTS))
         view[:] = self.outputs
         self.outputs = view
         self._take_addresses()
@@ -183,25 +195,28 @@ class Plant(PlantAccess):
         for wheel, place in enumerate(POSITION_STEER):
             q[place] = steering_angle(self._parameters[0], wheel, 0.0)
         self._state["yaw"] = yaw_angle_rad
-        solve_equilibrium(self._model, self._data, lambda: support_forces(self._addresses, 0.0, time_s), yaw_angle_rad)
+        solve_equilibrium(self._model, self._data, lambda: support_forces(self._memory, 0.0, time_s), yaw_angle_rad)
         mujoco.mj_forward(self._model, self._data)
         self._data.qfrc_applied[:] = 0.0
         v[0], v[1] = speed_m_s * np.cos(yaw_angle_rad), speed_m_s * np.sin(yaw_angle_rad)
         for wheel, place in enumerate(VELOCITY_SPIN):
             v[place] = speed_m_s / self._parameters["radius"][0, wheel]
-        refresh(self._addresses, time_s)
+        refresh(self._memory, time_s)
 
     def tick(
         self, brake_torque: NDArray[np.float64], drive_torque: NDArray[np.float64], steer: float, time_s: float
     ) -> None:
         """Advance by 1 ms (see ``vehicle_model.interface.Plant.tick``)."""
-        advance(self._addresses, brake_torque, drive_torque, steer, time_s, 1)
+        if brake_torque is not self._brake_in or drive_torque is not self._drive_in:
+            self._take_torques(brake_torque, drive_torque)
+        advance(self._memory, steer, time_s, 1)
 
     def step(self, n: int, *, brake_torque: ArrayLike = 0.0, drive_torque: ArrayLike = 0.0, steer: float = 0.0) -> None:
         """Advance by ``n`` milliseconds with constant inputs; torques are one number or one per wheel [N m]."""
         self._brake[:] = brake_torque
         self._drive[:] = drive_torque
-        advance(self._addresses, self._brake, self._drive, steer, self._time_s, n)
+        self._take_torques(self._brake, self._drive)
+        advance(self._memory, steer, self._time_s, n)
         self._time_s += n * TIME_STEP_S
 
     def energy_account(self) -> dict[str, float]:

@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from signals.record_memory import pointer
+from signals.record_memory import addresses_at, numbers_at, pointer, record_at
 from vehicle_model.body_forces import add_air, add_steering, add_terms, add_tyres, clear, vertical_loads
 from vehicle_model.energy import account, keep_before, update_first_moment
 from vehicle_model.extension_terms import (
@@ -31,9 +31,7 @@ from vehicle_model.plant_outputs import write_outputs
 from vehicle_model.plant_record import (
     PARAMETER_RECORD,
     POSITION_TRAVEL,
-    POSITIONS,
     STATE_RECORD,
-    VELOCITIES,
     VELOCITY_SPIN,
     Record,
 )
@@ -77,17 +75,18 @@ ADDRESS_NAMES = (
     "heights",
     "outputs",
     "terms",
+    "brake",
+    "drive",
 )
 _MODEL, _DATA, _Q, _V, _FORCE, _GRAVITY, _PARAMETERS, _STATE = range(8)
-_TYRES, _PREPARED, _ROAD, _JUMPS, _PATCHES, _POINTS, _SURFACES, _HEIGHTS, _OUTPUTS, _TERMS = range(8, 18)
-
-_OUTPUT_COUNT = 128
+_TYRES, _PREPARED, _ROAD, _JUMPS, _PATCHES, _POINTS, _SURFACES, _HEIGHTS = range(8, 16)
+_OUTPUTS, _TERMS, _BRAKE, _DRIVE = range(16, 20)
 
 
 @njit(cache=True)
 def _meet_road(s: Record, q: NDArray[np.float64], addresses: NDArray[np.int64]) -> None:
     """Unevenness under each wheel; left and right wheels keep to their own track."""
-    road = numba.carray(pointer(addresses[_ROAD]), 1, ROAD_RECORD)[0]
+    road = record_at(addresses[_ROAD], ROAD_RECORD)
     if road.rough == 0:
         for i in range(4):
             s.road_height[i] = s.road_slope[i] = 0.0
@@ -95,6 +94,16 @@ def _meet_road(s: Record, q: NDArray[np.float64], addresses: NDArray[np.int64]) 
     heights = numba.carray(pointer(addresses[_HEIGHTS]), (2, POINTS), numba.float64)
     for i in range(4):
         s.road_height[i], s.road_slope[i] = height_at(heights, i & 1, q[0] + s.hub[i, 0])
+
+
+@njit(cache=True)
+def _tyre(addresses: NDArray[np.int64], wheel: int) -> NDArray[np.float64]:
+    return numbers_at(addresses[_TYRES] + 8 * TYRE_SIZE * wheel)
+
+
+@njit(cache=True)
+def _prepared(addresses: NDArray[np.int64], wheel: int) -> NDArray[np.float64]:
+    return numbers_at(addresses[_PREPARED] + 8 * PREPARED_SIZE * wheel)
 
 
 @njit(cache=True)
@@ -106,14 +115,11 @@ def _prepare_tyres(
     time: float,
 ) -> None:
     """Friction under each wheel and the rows that hold for this step; direction of gravity."""
-    road = numba.carray(pointer(addresses[_ROAD]), 1, ROAD_RECORD)[0]
+    road = record_at(addresses[_ROAD], ROAD_RECORD)
     jumps = numba.carray(pointer(addresses[_JUMPS]), (road.jumps, JUMP_SIZE), numba.float64)
     patches = numba.carray(pointer(addresses[_PATCHES]), (road.patches, PATCH_SIZE), numba.float64)
     points = numba.carray(pointer(addresses[_POINTS]), (road.points, POINT_SIZE), numba.float64)
-    surfaces = numba.carray(pointer(addresses[_SURFACES]), (road.surfaces, SURFACE_SIZE), numba.float64)
-    tyres = numba.carray(pointer(addresses[_TYRES]), (4, TYRE_SIZE), numba.float64)
-    prepared = numba.carray(pointer(addresses[_PREPARED]), (4, PREPARED_SIZE), numba.float64)
-    gravity = numba.carray(pointer(addresses[_GRAVITY]), 3, numba.float64)
+    gravity = numbers_at(addresses[_GRAVITY])
     s.grade, s.bank = slopes_at(road, points, q[0])
     write_gravity(road.gravity, s.grade, s.bank, gravity)
     for i in range(4):
@@ -129,8 +135,10 @@ def _prepare_tyres(
         friction *= p.friction_factor[i]
         if p.terms > 0:
             friction *= max(1.0 + s.added[FRICTION_FACTOR, i], 0.0)
-        prepare(tyres[i], surfaces[surface], friction, load, speed, camber, prepared[i])
-        s.peak_friction[i] = prepared[i, PEAK_FORCE_X] / load
+        tyre, prepared = _tyre(addresses, i), _prepared(addresses, i)
+        on = numbers_at(addresses[_SURFACES] + 8 * SURFACE_SIZE * surface)
+        prepare(tyre, on, friction, load, speed, camber, prepared)
+        s.peak_friction[i] = prepared[PEAK_FORCE_X] / load
 
 
 @njit(cache=True)
@@ -138,20 +146,17 @@ def _integrate(
     p: Record,
     s: Record,
     addresses: NDArray[np.int64],
-    brake: NDArray[np.float64],
-    drive: NDArray[np.float64],
     steer: float,
     time: float,
     step: float,
 ) -> None:
     """One step of MuJoCo with the forces of this instant."""
-    q = numba.carray(pointer(addresses[_Q]), POSITIONS, numba.float64)
-    v = numba.carray(pointer(addresses[_V]), VELOCITIES, numba.float64)
-    force = numba.carray(pointer(addresses[_FORCE]), VELOCITIES, numba.float64)
-    gravity = numba.carray(pointer(addresses[_GRAVITY]), 3, numba.float64)
-    prepared = numba.carray(pointer(addresses[_PREPARED]), (4, PREPARED_SIZE), numba.float64)
-    tyres = numba.carray(pointer(addresses[_TYRES]), (4, TYRE_SIZE), numba.float64)
-    road = numba.carray(pointer(addresses[_ROAD]), 1, ROAD_RECORD)[0]
+    q = numbers_at(addresses[_Q])
+    v = numbers_at(addresses[_V])
+    force = numbers_at(addresses[_FORCE])
+    gravity = numbers_at(addresses[_GRAVITY])
+    brake, drive = numbers_at(addresses[_BRAKE]), numbers_at(addresses[_DRIVE])
+    road = record_at(addresses[_ROAD], ROAD_RECORD)
 
     _meet_road(s, q, addresses)
     vertical_loads(p, s, q)
@@ -168,7 +173,8 @@ def _integrate(
         if p.terms > 0:
             braking = max(braking * (1.0 + s.added[BRAKE_FACTOR, i]) + s.added[BRAKE, i], 0.0)
             driving += s.added[DRIVE, i]
-        s.new_spin[i] = spin_wheel(p, s, i, tyres[i], prepared[i], spin, braking, driving, along, across, step)
+        tyre, prepared = _tyre(addresses, i), _prepared(addresses, i)
+        s.new_spin[i] = spin_wheel(p, s, i, tyre, prepared, spin, braking, driving, along, across, step)
         if p.terms > 0:
             s.force_y[i] += s.added[SIDE_FORCE, i]
 
@@ -201,37 +207,30 @@ def _integrate(
 
 
 @njit(cache=True)
-def advance(
-    addresses: NDArray[np.int64],
-    brake: NDArray[np.float64],
-    drive: NDArray[np.float64],
-    steer: float,
-    time: float,
-    ticks: int,
-) -> None:
+def advance(memory: int, steer: float, time: float, ticks: int) -> None:
     """Advance by ``ticks`` milliseconds with constant inputs and write the outputs.
 
     Parameters
     ----------
-    addresses
-        Where the memory of ``ADDRESS_NAMES`` lies.
-    brake, drive : shape (4,), N m
-        Torque that each brake can transmit; drive torque.
+    memory
+        Address of the list of addresses of ``ADDRESS_NAMES``. Of these, brake and drive are the torque that each brake
+        can transmit and the drive torque [N m].
     steer : rad
         Steering-wheel angle.
     time : s
         Time of the run at the start.
     """
-    p = numba.carray(pointer(addresses[_PARAMETERS]), 1, PARAMETER_RECORD)[0]
-    s = numba.carray(pointer(addresses[_STATE]), 1, STATE_RECORD)[0]
-    q = numba.carray(pointer(addresses[_Q]), POSITIONS, numba.float64)
-    v = numba.carray(pointer(addresses[_V]), VELOCITIES, numba.float64)
-    out = numba.carray(pointer(addresses[_OUTPUTS]), _OUTPUT_COUNT, numba.float64)
+    addresses = addresses_at(memory)
+    p = record_at(addresses[_PARAMETERS], PARAMETER_RECORD)
+    s = record_at(addresses[_STATE], STATE_RECORD)
+    q = numbers_at(addresses[_Q])
+    v = numbers_at(addresses[_V])
+    out = numbers_at(addresses[_OUTPUTS])
     step = TICK_S / p.steps
     for tick in range(ticks):
         start_x, start_y, start_z = v[0], v[1], v[2]
         for part in range(p.steps):
-            _integrate(p, s, addresses, brake, drive, steer, time + tick * TICK_S + part * step, step)
+            _integrate(p, s, addresses, steer, time + tick * TICK_S + part * step, step)
         s.acceleration[0] = (v[0] - start_x) / TICK_S
         s.acceleration[1] = (v[1] - start_y) / TICK_S
         s.acceleration[2] = (v[2] - start_z) / TICK_S
@@ -240,13 +239,14 @@ def advance(
 
 
 @njit(cache=True)
-def refresh(addresses: NDArray[np.int64], time: float) -> None:
+def refresh(memory: int, time: float) -> None:
     """Kinematics, loads, friction and outputs of a state that was set from outside."""
-    p = numba.carray(pointer(addresses[_PARAMETERS]), 1, PARAMETER_RECORD)[0]
-    s = numba.carray(pointer(addresses[_STATE]), 1, STATE_RECORD)[0]
-    q = numba.carray(pointer(addresses[_Q]), POSITIONS, numba.float64)
-    v = numba.carray(pointer(addresses[_V]), VELOCITIES, numba.float64)
-    out = numba.carray(pointer(addresses[_OUTPUTS]), _OUTPUT_COUNT, numba.float64)
+    addresses = addresses_at(memory)
+    p = record_at(addresses[_PARAMETERS], PARAMETER_RECORD)
+    s = record_at(addresses[_STATE], STATE_RECORD)
+    q = numbers_at(addresses[_Q])
+    v = numbers_at(addresses[_V])
+    out = numbers_at(addresses[_OUTPUTS])
     update_kinematics(p, s, q, v)
     update_first_moment(p, s)
     _meet_road(s, q, addresses)
@@ -256,13 +256,14 @@ def refresh(addresses: NDArray[np.int64], time: float) -> None:
 
 
 @njit(cache=True)
-def support_forces(addresses: NDArray[np.int64], steer: float, time: float) -> None:
+def support_forces(memory: int, steer: float, time: float) -> None:
     """Generalised forces of springs and loads alone, for the static equilibrium."""
-    p = numba.carray(pointer(addresses[_PARAMETERS]), 1, PARAMETER_RECORD)[0]
-    s = numba.carray(pointer(addresses[_STATE]), 1, STATE_RECORD)[0]
-    q = numba.carray(pointer(addresses[_Q]), POSITIONS, numba.float64)
-    v = numba.carray(pointer(addresses[_V]), VELOCITIES, numba.float64)
-    force = numba.carray(pointer(addresses[_FORCE]), VELOCITIES, numba.float64)
+    addresses = addresses_at(memory)
+    p = record_at(addresses[_PARAMETERS], PARAMETER_RECORD)
+    s = record_at(addresses[_STATE], STATE_RECORD)
+    q = numbers_at(addresses[_Q])
+    v = numbers_at(addresses[_V])
+    force = numbers_at(addresses[_FORCE])
     update_kinematics(p, s, q, v)
     _meet_road(s, q, addresses)
     vertical_loads(p, s, q)

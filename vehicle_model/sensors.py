@@ -10,12 +10,23 @@ from numpy.typing import NDArray
 
 from signals.catalogue import block_slice, index_of
 from signals.quantities import FileModel
-from signals.record_memory import addresses_of
+from signals.record_memory import numbers_address
 from signals.wheels import WHEELS
 from vehicle_model import parameters
 from vehicle_model import sensors_record as record
 from vehicle_model.interface import TIME_STEP_S
-from vehicle_model.sensors_step import sensors_step
+from vehicle_model.sensors_step import (
+    ADDRESSES,
+    AT_CONTACTS,
+    AT_EDGES,
+    AT_NOISE,
+    AT_PARAMETERS,
+    AT_SENSED,
+    AT_STATE,
+    AT_VALUES,
+    RANDOM_NUMBERS,
+    sensors_step,
+)
 from vehicle_model.tone_ring import HISTORY_TICKS, MOST_TEETH, TURN, edge_angles
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -67,9 +78,18 @@ class Sensors:
         self._seed = seed
         self._parameters: NDArray[np.void] = np.zeros(1, record.PARAMETER_RECORD)
         self._state: NDArray[np.void] = np.zeros(1, record.STATE_RECORD)
-        self._noise = np.zeros((_NOISE_ROWS, record.CHANNELS + 4))
-        self._contacts = np.ones((_NOISE_ROWS, record.CHANNELS + 4))
-        self._records = addresses_of(self._parameters, self._state)
+        self._noise = np.zeros((_NOISE_ROWS, RANDOM_NUMBERS))
+        self._contacts = np.ones((_NOISE_ROWS, RANDOM_NUMBERS))
+        self._values = self._sensed = np.zeros(0)
+        self._addresses = np.zeros(ADDRESSES, np.int64)
+        self._memory = self._addresses.ctypes.data
+        for place, array in (
+            (AT_PARAMETERS, self._parameters),
+            (AT_STATE, self._state),
+            (AT_NOISE, self._noise),
+            (AT_CONTACTS, self._contacts),
+        ):
+            self._addresses[place] = array.ctypes.data
         self._fill_places()
         self._fill_car()
         self.reset()
@@ -110,7 +130,15 @@ class Sensors:
             self._draw_contacts()
         self._row += 1
         self._contact_row += 1
-        sensors_step(self._records, self._edges, self._noise, self._contacts, values, sensed, time_s)
+        if values is not self._values or sensed is not self._sensed:
+            self._take(values, sensed)
+        sensors_step(self._memory, time_s)
+
+    def _take(self, values: NDArray[np.float64], sensed: NDArray[np.float64]) -> None:
+        """Use these arrays from now on: the same come tick by tick, so their addresses are kept."""
+        self._addresses[AT_VALUES] = numbers_address(values, values.size)
+        self._addresses[AT_SENSED] = numbers_address(sensed, sensed.size)
+        self._values, self._sensed = values, sensed
 
     def _draw(self) -> None:
         """Draw the noise of the coming ticks, only for channels that have some."""
@@ -228,6 +256,7 @@ class Sensors:
                 for errors, direction in zip(self._tooth_errors, self._directions, strict=True)
             ]
         )
+        self._addresses[AT_EDGES] = self._edges.ctypes.data
         state = self._state[0]
         for wheel in range(4):
             state["next_edge"][wheel] = np.searchsorted(self._edges[wheel], state["angle"][wheel], "right") % ring.teeth

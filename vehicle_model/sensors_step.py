@@ -3,9 +3,9 @@
 import math
 from typing import Any
 
-from numba import carray, njit
+from numba import njit
 
-from signals.record_memory import pointer
+from signals.record_memory import addresses_at, numbers_at, record_at
 from vehicle_model.interface import TIME_STEP_S
 from vehicle_model.sensor_faults import contact_open, mount, reported, slowest_seen
 from vehicle_model.sensors_record import (
@@ -25,6 +25,12 @@ from vehicle_model.sensors_record import (
 from vehicle_model.tone_ring import COUNTER_WRAP, HISTORY_TICKS, measure_speed, turn_ring
 
 STANDARD_GRAVITY = 9.81
+
+AT_PARAMETERS, AT_STATE, AT_EDGES, AT_NOISE, AT_CONTACTS, AT_VALUES, AT_SENSED = range(7)
+"""Places in the list of addresses: two records, then arrays of float64."""
+ADDRESSES = 7
+RANDOM_NUMBERS = CHANNELS + 4
+"""Random numbers of a tick: a value per analogue channel and wheel-speed sensor."""
 
 
 @njit(cache=True)
@@ -108,11 +114,11 @@ def _analogue(p: Any, s: Any, values: Any, noise: Any, contacts: Any, sensed: An
     measured[STEERING] = values[p.driver_steering_wheel_angle]
     filtered = measured[ACCELERATION_X]
     for k in range(CHANNELS):
-        value = p.scale[k] * _delayed(p, s, k, measured[k]) + p.offset[k] + p.noise[k] * noise[s.row, k]
+        value = p.scale[k] * _delayed(p, s, k, measured[k]) + p.offset[k] + p.noise[k] * noise[k]
         resolution = p.resolution[k]
         if resolution > 0.0:
             value = math.floor(value / resolution + 0.5) * resolution
-        is_open = contact_open(p, s, k, contacts[s.contact_row, k])
+        is_open = contact_open(p, s, k, contacts[k])
         sensed[p.to_channel[k]] = reported(p, s, k, value, is_open)
     if p.acceleration_source == IDEAL:
         sensed[p.to_channel[ACCELERATION_X]] = values[p.true_longitudinal_acceleration]
@@ -127,9 +133,9 @@ def _wheels(p: Any, s: Any, edges: Any, noise: Any, contacts: Any, values: Any, 
         omega = values[p.true_wheel_speed_fl + i]
         if s.started == 0:
             s.omega[i] = omega
-        is_open = contact_open(p, s, CHANNELS + i, contacts[s.contact_row, CHANNELS + i])
+        is_open = contact_open(p, s, CHANNELS + i, contacts[CHANNELS + i])
         s.blind[i] = 1 if is_open or abs(omega) < slowest_seen(p, i) else 0
-        turn_ring(p, s, i, edges, omega, time, p.edge_jitter * noise[s.row, CHANNELS + i])
+        turn_ring(p, s, i, numbers_at(edges + 8 * p.teeth * i), omega, time, p.edge_jitter * noise[CHANNELS + i])
         speed = measure_speed(p, s, i, now)
         if p.stuck[CHANNELS + i] <= 0.5 or s.started == 0:
             s.wheel_reports[i, 0] = p.ring_scale[i] * speed
@@ -158,30 +164,27 @@ def _powertrain(p: Any, values: Any, sensed: Any) -> None:
 
 
 @njit(cache=True)
-def sensors_step(records: Any, edges: Any, noise: Any, contacts: Any, values: Any, sensed: Any, time: float) -> None:
+def sensors_step(memory: int, time: float) -> None:
     """Advance by 1 ms.
 
     Parameters
     ----------
-    records : shape (2,)
-        Addresses of records of ``PARAMETER_RECORD`` and ``STATE_RECORD``.
-    edges : shape (4, teeth)
-        Angles of the edges.
-    noise : shape (n, CHANNELS + 4)
-        Standard normal numbers; each tick takes a row.
-    contacts : shape (n, CHANNELS + 4)
-        Uniform random numbers, likewise.
-    values
-        The signal vector.
-    sensed
-        Layout of block "bus"; what comes from the ECU is left alone.
+    memory
+        Address of the list of addresses. These are, in the order ``AT_…``: records of ``PARAMETER_RECORD`` and
+        ``STATE_RECORD``; angles of the edges, shape (4, teeth); standard normal and uniform random numbers, shapes
+        (n, RANDOM_NUMBERS), of which each tick takes a row; the signal vector; the layout of block "bus", where what
+        comes from the ECU is left alone.
     time : s
         Start of the tick.
     """
-    p = carray(pointer(records[0]), 1, PARAMETER_RECORD)[0]
-    s = carray(pointer(records[1]), 1, STATE_RECORD)[0]
+    places: Any = addresses_at(memory)
+    p = record_at(places[AT_PARAMETERS], PARAMETER_RECORD)
+    s = record_at(places[AT_STATE], STATE_RECORD)
+    noise = numbers_at(places[AT_NOISE] + 8 * RANDOM_NUMBERS * s.row)
+    contacts = numbers_at(places[AT_CONTACTS] + 8 * RANDOM_NUMBERS * s.contact_row)
+    values, sensed = numbers_at(places[AT_VALUES]), numbers_at(places[AT_SENSED])
     _analogue(p, s, values, noise, contacts, sensed)
-    _wheels(p, s, edges, noise, contacts, values, sensed, time)
+    _wheels(p, s, places[AT_EDGES], noise, contacts, values, sensed, time)
     _powertrain(p, values, sensed)
     sensed[p.to_brake_switch] = 1.0 if values[p.driver_pedal_force] >= p.brake_switch_force else 0.0
     sensed[p.to_steering_command] = values[p.driver_steering_wheel_angle] / p.steering_ratio

@@ -112,7 +112,7 @@ def _turn(
     growth = (last - first) / duration
     teeth = p.teeth
     number = s.next_edge[i] if forward else _before(s.next_edge[i], teeth)
-    ahead = (edges[i, number] - s.angle[i]) if forward else (s.angle[i] - edges[i, number])
+    ahead = (edges[number] - s.angle[i]) if forward else (s.angle[i] - edges[number])
     if ahead < 0.0:
         ahead += TURN
     while ahead <= way:
@@ -121,7 +121,7 @@ def _turn(
         if number >= p.missing_teeth[i] and s.blind[i] == 0:
             _note_edge(p, s, i, start + elapsed, jitter)
         after = _after(number, teeth) if forward else _before(number, teeth)
-        gap = edges[i, after] - edges[i, number] if forward else edges[i, number] - edges[i, after]
+        gap = edges[after] - edges[number] if forward else edges[number] - edges[after]
         ahead += gap if gap > 0.0 else gap + TURN
         number = after
     s.next_edge[i] = number if forward else _after(number, teeth)
@@ -141,8 +141,8 @@ def turn_ring(p: Any, s: Any, i: int, edges: Any, omega: float, time: float, jit
     ----------
     p, s
         Records with ``RING_FIELDS`` and ``RING_STATE_FIELDS``.
-    edges : shape (4, teeth)
-        From `edge_angles`.
+    edges : shape (teeth,)
+        Of this ring, from `edge_angles`.
     omega : rad/s
         Speed at the end of the tick.
     time : s

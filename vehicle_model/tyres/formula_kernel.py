@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from signals.record_memory import address_in, numbers_at
 from vehicle_model.tyres.coefficients import DUGOFF, FIALA, TMEASY, TYRE_FORMULA, TYRE_KIND
 from vehicle_model.tyres.dugoff import forces_dugoff, prepare_dugoff, trail_dugoff
 from vehicle_model.tyres.fiala import forces_fiala, moment_fiala, prepare_fiala
@@ -33,7 +34,7 @@ _FLAT, _MOST_STEPS = 1e-4, 16
 @njit(cache=True)
 def forces_of_formula(prepared: NDArray[np.float64], slip_x: float, slip_y: float) -> tuple[float, float, float]:
     """Longitudinal and side force [N], derivative of the first by ``slip_x``."""
-    kept, direction, kind = prepared[KEPT:], prepared[DIRECTION], prepared[KIND]
+    kept, direction, kind = numbers_at(address_in(prepared, KEPT)), prepared[DIRECTION], prepared[KIND]
     if kind == TMEASY:
         return forces_tmeasy(kept, slip_x, slip_y, direction)
     if kind == DUGOFF:
@@ -46,7 +47,7 @@ def forces_of_formula(prepared: NDArray[np.float64], slip_x: float, slip_y: floa
 @njit(cache=True)
 def moment_of_formula(prepared: NDArray[np.float64], slip_x: float, slip_y: float, force_y: float) -> float:
     """Aligning moment [N m] beside a side force [N]; it turns round with the direction of travel."""
-    kept, direction, kind = prepared[KEPT:], prepared[DIRECTION], prepared[KIND]
+    kept, direction, kind = numbers_at(address_in(prepared, KEPT)), prepared[DIRECTION], prepared[KIND]
     if kind == TMEASY:
         return -direction * trail_tmeasy(kept, slip_x, slip_y, direction) * force_y
     if kind == DUGOFF:
@@ -129,7 +130,8 @@ def prepare_formula(
     prepared: NDArray[np.float64],
 ) -> None:
     """Coefficients, peaks and slopes of the formula for one step; kind and direction are set already."""
-    parameters, kept, kind = tyre[TYRE_FORMULA:], prepared[KEPT:], tyre[TYRE_KIND]
+    parameters, kept = numbers_at(address_in(tyre, TYRE_FORMULA)), numbers_at(address_in(prepared, KEPT))
+    kind = tyre[TYRE_KIND]
     if kind == TMEASY:
         prepare_tmeasy(parameters, friction, load, prepared, kept)
         return

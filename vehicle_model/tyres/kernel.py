@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from signals.record_memory import address_in, numbers_at
 from vehicle_model.tyres.coefficients import (
     BURCKHARDT,
     CURVE_B,
@@ -125,7 +126,7 @@ def prepare(
     prepared[KIND] = kind
     friction *= surface[SURFACE_FACTOR]
     if kind == TIR:
-        prepare_tir(tyre, friction, load, speed, camber, prepared, prepared[KEPT:])
+        prepare_tir(tyre, friction, load, speed, camber, prepared, numbers_at(address_in(prepared, KEPT)))
     else:
         prepare_formula(tyre, friction, load, speed, prepared)
 
@@ -165,10 +166,10 @@ def _prepare_curves(
             prepared[_Y + k] = tyre[TYRE_Y + k]
         if kind == LOAD_DEPENDENT:
             kind = float(MAGIC_FORMULA)
-            _at_load(tyre[TYRE_LOAD_X:], load, prepared[_X : _X + CURVE_SIZE])
+            _at_load(numbers_at(address_in(tyre, TYRE_LOAD_X)), load, numbers_at(address_in(prepared, _X)))
         if tyre[TYRE_KIND_Y] == LOAD_DEPENDENT:
-            _at_load(tyre[TYRE_LOAD_Y:], load, prepared[_Y : _Y + CURVE_SIZE])
-    x = prepared[_X : _X + CURVE_SIZE]
+            _at_load(numbers_at(address_in(tyre, TYRE_LOAD_Y)), load, numbers_at(address_in(prepared, _Y)))
+    x = numbers_at(address_in(prepared, _X))
     if kind == BURCKHARDT and x[4] != 0.0:
         scale *= max(1.0 - x[4] * load * load, 0.05)
     prepared[_RESULTANT] = 0.0 if not resultant else (2.0 if kind == BURCKHARDT else 1.0)
@@ -184,7 +185,7 @@ def _prepare_curves(
         prepared[PEAK_SLIP_Y] = prepared[PEAK_SLIP_X]
         prepared[STIFFNESS_Y] = prepared[STIFFNESS_X]
     else:
-        y = prepared[_Y : _Y + CURVE_SIZE]
+        y = numbers_at(address_in(prepared, _Y))
         prepared[PEAK_FORCE_Y] = scale * y[CURVE_D]
         prepared[PEAK_SLIP_Y] = y[CURVE_PEAK_SLIP]
         prepared[STIFFNESS_Y] = scale * _curve_slope(MAGIC_FORMULA, y)
@@ -227,7 +228,7 @@ def along(
     """Longitudinal force [N] along the wheel's heading, and its derivative by ``slip_x``."""
     kind = prepared[KIND]
     if kind == TIR:
-        return along_tir(tyre, prepared[KEPT:], slip_x, slip_y, prepared[DIRECTION])
+        return along_tir(tyre, numbers_at(address_in(prepared, KEPT)), slip_x, slip_y, prepared[DIRECTION])
     if kind != MAGIC_FORMULA:
         force_x, _, slope = forces_of_formula(prepared, slip_x, slip_y)
         return force_x, slope
@@ -255,7 +256,7 @@ def across(
     """Side force [N] to the left of the wheel's heading, and aligning moment [N m], beside a longitudinal force [N]."""
     kind = prepared[KIND]
     if kind == TIR:
-        return across_tir(tyre, prepared[KEPT:], slip_x, slip_y, force_x, prepared[DIRECTION])
+        return across_tir(tyre, numbers_at(address_in(prepared, KEPT)), slip_x, slip_y, force_x, prepared[DIRECTION])
     if kind != MAGIC_FORMULA:
         _, force_y, _ = forces_of_formula(prepared, slip_x, slip_y)
         return force_y, moment_of_formula(prepared, slip_x, slip_y, force_y)

@@ -2,12 +2,11 @@
 
 import math
 
-import numba
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from signals.record_memory import pointer
+from signals.record_memory import address_in, record_at
 from vehicle_model.tyres.coefficients import TYRE_ELLIPSE, TYRE_MIRRORED, TYRE_RECORD, TYRE_SIZE
 from vehicle_model.tyres.curves import magic_formula_peak
 from vehicle_model.tyres.magic_formula_coefficients import COEFFICIENT_RECORD, coefficients
@@ -62,8 +61,8 @@ def prepare_tir(
     kept: NDArray[np.float64],
 ) -> None:
     """Coefficients for the coming step into ``kept``; peaks, their slips and slopes at zero slip into ``header``."""
-    p = numba.carray(pointer(row.ctypes.data + 8 * TYRE_RECORD), 1, TIR_RECORD)[0]
-    c = numba.carray(pointer(kept.ctypes.data), 1, COEFFICIENT_RECORD)[0]
+    p = record_at(address_in(row, TYRE_RECORD), TIR_RECORD)
+    c = record_at(address_in(kept, 0), COEFFICIENT_RECORD)
     lightest = _LIGHTEST * p.FNOMIN * p.LFZO
     evaluated = max(load, lightest)
     coefficients(p, c, evaluated, -camber if row[TYRE_MIRRORED] != 0.0 else camber, p.INFLPRES, friction)
@@ -80,8 +79,8 @@ def along_tir(
     row: NDArray[np.float64], kept: NDArray[np.float64], slip_x: float, slip_y: float, direction: float
 ) -> tuple[float, float]:
     """Longitudinal force and its derivative by ``slip_x``."""
-    p = numba.carray(pointer(row.ctypes.data + 8 * TYRE_RECORD), 1, TIR_RECORD)[0]
-    c = numba.carray(pointer(kept.ctypes.data), 1, COEFFICIENT_RECORD)[0]
+    p = record_at(address_in(row, TYRE_RECORD), TIR_RECORD)
+    c = record_at(address_in(kept, 0), COEFFICIENT_RECORD)
     _, travelling = shares(slip_x, direction)
     kappa, alpha, angle = _slips(p.VERSION, row[TYRE_MIRRORED], slip_x, slip_y, travelling)
     growth = 1.0 / travelling**2 if travelling < 1.0 else 1.0
@@ -103,8 +102,8 @@ def across_tir(
     direction: float,
 ) -> tuple[float, float]:
     """Side force and aligning moment, which turns round with the direction of travel."""
-    p = numba.carray(pointer(row.ctypes.data + 8 * TYRE_RECORD), 1, TIR_RECORD)[0]
-    c = numba.carray(pointer(kept.ctypes.data), 1, COEFFICIENT_RECORD)[0]
+    p = record_at(address_in(row, TYRE_RECORD), TIR_RECORD)
+    c = record_at(address_in(kept, 0), COEFFICIENT_RECORD)
     _, travelling = shares(slip_x, direction)
     kappa, alpha, angle = _slips(p.VERSION, row[TYRE_MIRRORED], slip_x, slip_y, travelling)
     if row[TYRE_ELLIPSE] != 0.0:
