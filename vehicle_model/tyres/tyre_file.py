@@ -114,7 +114,7 @@ class CurveTyre(FileModel):
     lateral: _SideCurve
     combined_slip: Literal["similarity", "kamm"] = "similarity"
     load_sensitivity: float = parameter(
-        "1", 0.0, low=0.0, high=0.8, neutral=0.0, description="c in friction (1 - c (Fz / nominal load - 1))"
+        "1", 0.0, low=-0.5, high=0.8, neutral=0.0, description="c in friction (1 - c (Fz / nominal load - 1))"
     )
     nominal_load: float = parameter(
         "N", 3500.0, low=100.0, high=1e5, description="used with the load sensitivity", source=_ASSUMED
