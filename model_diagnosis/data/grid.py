@@ -51,8 +51,8 @@ def on_grid(
 
 def _shared_time(channels: Mapping[str, Samples]) -> tuple[float, float]:
     """Time covered by all channels but those that cover less than half of what the longest covers."""
-    spans = {name: fresh_values(channel)[0][[0, -1]] for name, channel in channels.items() if not is_stepped(name)}
-    spans = spans or {name: fresh_values(channel)[0][[0, -1]] for name, channel in channels.items()}
+    spans = {name: _span(channel) for name, channel in channels.items() if not is_stepped(name)}
+    spans = spans or {name: _span(channel) for name, channel in channels.items()}
     longest = max(float(span[1] - span[0]) for span in spans.values())
     long_ones = {name: span for name, span in spans.items() if span[1] - span[0] >= _SHORT_COVER * longest}
     latest = max(long_ones, key=lambda name: float(long_ones[name][0]))
@@ -66,6 +66,12 @@ def _shared_time(channels: Mapping[str, Samples]) -> tuple[float, float]:
     return begin, end
 
 
+def _span(channel: Samples) -> FloatArray:
+    """First and last stamp with a number; one that stays the same to the end (a torque of 0) counts too."""
+    known: FloatArray = channel.time[np.isfinite(channel.values)]
+    return known[[0, -1]]
+
+
 def _values(name: str, stamps: FloatArray, numbers: FloatArray, time: FloatArray) -> FloatArray:
     if is_stepped(name):
         row = np.searchsorted(stamps, time + 1e-6, side="right") - 1
@@ -76,7 +82,7 @@ def _values(name: str, stamps: FloatArray, numbers: FloatArray, time: FloatArray
         return interpolated
     edges = np.searchsorted(stamps, np.concatenate((time - 0.5 * SAMPLE_TIME_S, time[-1:] + 0.5 * SAMPLE_TIME_S)))
     counts = np.diff(edges)
-    sums = np.add.reduceat(np.concatenate((numbers, [0.0])), np.minimum(edges[:-1], len(numbers)))
+    sums = np.add.reduceat(np.concatenate((numbers, [0.0])), np.minimum(edges, len(numbers)))[:-1]
     return np.where(counts > 0, sums / np.maximum(counts, 1), interpolated)
 
 
