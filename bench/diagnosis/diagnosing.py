@@ -94,7 +94,6 @@ def find(
 ) -> Findings:
     """The diagnosis with the arrays behind it (`diagnose` for the parameters)."""
     from bench.loop.versions import versions
-    from model_diagnosis.diagnosis import diagnose as diagnose_manoeuvres
 
     both = sorted(set(logs) & set(hold_out))
     if both:
@@ -103,6 +102,8 @@ def find(
     car = open_vehicle(logs, vehicle, channel_map)
     searched = read(logs, car, channel_map)
     held_out = read(hold_out, car, channel_map) if hold_out else None
+    from model_diagnosis.diagnosis import diagnose as diagnose_manoeuvres  # compiles: what cannot be read is told before
+
     findings = diagnose_manoeuvres(searched, car, hold_out=held_out, seed=seed, progress=progress)
     answer = findings.diagnosis.model_copy(
         update={
