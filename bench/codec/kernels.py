@@ -69,6 +69,10 @@ _RESYNCHRONISE_CYCLES = 15
 
 _DRIFT = 0.001
 """Share by which the clocks of sender and receiver may differ without a frame counting as late."""
+_FORGOTTEN = 0.0002
+"""Share of the lateness that is forgotten with each frame."""
+_LONGEST_HOLD_TICKS = 500
+"""Longest silence after which frames that go on where they were count as held up."""
 
 
 @njit(cache=True)
@@ -254,16 +258,22 @@ def _frames_lost(counter: int, tick: int, message: NDArray[np.int64]) -> int:
 def _note_lateness(counter: int, tick: int, message: NDArray[np.int64]) -> None:
     """How much later than its counter says a frame came; the earliest frames so far are on time.
 
-    Frames that are held up on their way keep their counters in order, and each is new: only its time tells.
+    Frames that are held up on their way keep their counters in order, and each is new: only its time tells. After long
+    silence the counter tells that much only if it goes on where it was; else the sender may have begun anew. What stays
+    late becomes the normal case within thousands of frames.
     """
-    period = message[PERIOD]
-    silent = message[LAST_COUNTER] < 0 or tick - message[LAST_TICK] >= _RESYNCHRONISE_CYCLES * period
-    expected = 1000 * tick
-    if not silent:
-        step = int(counter - message[LAST_COUNTER]) & 15
-        expected = min(expected, message[EXPECTED] + int(step * period * 1000 * (1.0 + _DRIFT)))
+    period, now = message[PERIOD], 1000 * tick
+    step = int(counter - message[LAST_COUNTER]) & 15
+    silence = tick - message[LAST_TICK]
+    known = message[LAST_COUNTER] >= 0 and (
+        silence < _RESYNCHRONISE_CYCLES * period or (step == 1 and silence < _LONGEST_HOLD_TICKS)
+    )
+    expected = now
+    if known:
+        forgotten = step * period * _DRIFT + message[LATENESS] * _FORGOTTEN
+        expected = min(now, message[EXPECTED] + int(1000 * (step * period + forgotten)))
     message[EXPECTED] = expected
-    message[LATENESS] = (1000 * tick - expected) // 1000
+    message[LATENESS] = (now - expected) // 1000
 
 
 @njit(cache=True)

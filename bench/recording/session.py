@@ -38,7 +38,7 @@ from bench.recording.run_folder import (
 from bench.recording.schema import RunSchema
 from signals.errors import RunError
 
-START_TIMEOUT_S = 20.0
+START_TIMEOUT_S = 120.0
 DRAIN_TIMEOUT_S = 60.0
 CONVERT_TIMEOUT_S = 300.0
 

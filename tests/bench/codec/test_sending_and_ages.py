@@ -159,6 +159,12 @@ def test_frames_that_are_held_up_arrive_with_their_age() -> None:
     assert ages[42:] == [0.0] * 18
 
 
+def test_frames_that_are_held_up_for_longer_than_the_counter_runs() -> None:
+    """0.2 s are 40 frames, the counter wraps after 16; 50 frames forget 1 % of it, the resolution is 1 ms."""
+    arrivals = [5 * n + (200 if n >= 10 else 0) for n in range(60)]
+    assert ages_of_wheel_speeds(arrivals)[10:] == pytest.approx([0.2] * 50, abs=0.00325)
+
+
 def test_lost_frames_and_a_slower_clock_are_not_lateness() -> None:
     assert max(ages_of_wheel_speeds([5 * n for n in range(60)], dropped=(7, 8, 9, 30))) == 0.0
     slower = [int(5 * n * 1.0008) for n in range(2000)]
