@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.replay.record import REPLAY_RECORD
-from model_diagnosis.replay.tyre_table import CELLS, TyreForm, fit_tyre, trail_of
+from model_diagnosis.replay.record import CELLS, REPLAY_RECORD
+from model_diagnosis.replay.tyre_table import TyreForm, fit_tyre, trail_of
 from signals.wheels import WHEELS
 from vehicle_model.rigid_bodies import rigid_bodies
 from vehicle_model.tyres.relaxation import fill_in

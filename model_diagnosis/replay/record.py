@@ -31,7 +31,6 @@ _NUMBERS = (
     "camber_stiffness",  # side force per load and inclination
     "conicity",  # N, to the left
     "rolling_speed",  # rise of the rolling resistance by speed, s/m
-    "rolling_speed_4",  # by its fourth power, s^4/m^4
     "radius_load",  # loss of radius per load, m/N
     "radius_speed",  # growth of radius by speed squared, s^2/m
     # brakes, all wheels
@@ -128,7 +127,34 @@ _WHEELS = (
     "drive_share",  # 1 on driven wheels
 )
 
-REPLAY_RECORD = np.dtype([*[(name, "f8") for name in _NUMBERS], *[(name, "f8", (4,)) for name in _WHEELS]], align=True)
+# what follows from the numbers above and spares divisions in every step (``derived.derive``)
+_DERIVED_NUMBERS = ("inverse_mass", "inverse_sprung", "inverse_roll", "inverse_pitch", "inverse_yaw", "steering_lag")
+_DERIVED_WHEELS = (
+    "wheel_x",  # place ahead of the centre of gravity
+    "wheel_y",  # and left of it
+    "static_load",
+    "inverse_load",  # 1/reference_load
+    "inverse_peak_x",  # 1/slip at the peak, with the factors of the stiffness
+    "inverse_peak_y",
+    "mean_share",  # of an axle's mean compression that springs take, not tyres
+    "half_share",  # of half its difference
+    "mean_rate",  # force per mean compression
+    "half_rate",
+    "guide_brake",  # load per longitudinal force past the spring
+    "guide_drive",
+    "guide_side",
+    "inverse_capacity",  # of the disc's heat
+)
+CELLS = 256
+"""Cells of a tyre's table; its variable is rho/(1 + rho), from 0 at no slip to 1 at an infinite one."""
+
+REPLAY_RECORD = np.dtype(
+    [
+        *[(name, "f8") for name in (*_NUMBERS, *_DERIVED_NUMBERS)],
+        *[(name, "f8", (4,)) for name in (*_WHEELS, *_DERIVED_WHEELS)],
+    ],
+    align=True,
+)
 
 # columns of the inputs of a manoeuvre
 INPUT_PRESSURE, INPUT_DRIVE_FRONT, INPUT_DRIVE_REAR, INPUT_STEER, INPUT_GRADE, INPUT_BANK = 0, 4, 5, 6, 7, 8

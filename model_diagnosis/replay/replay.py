@@ -18,6 +18,7 @@ from model_diagnosis.effects.catalogue import EFFECTS
 from model_diagnosis.effects.effect import Application, Effect, EffectParameter
 from model_diagnosis.effects.sensor_chain import measured_signals, ring_carriers, sensor_columns, true_inputs
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from model_diagnosis.replay.derived import derive
 from model_diagnosis.replay.deviations import change_record
 from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of
 from model_diagnosis.replay.nominal import NominalCar, nominal_car
@@ -311,6 +312,7 @@ class Replay:
         """Signals before the sensors, (n, len(chosen))."""
         cars = self._car.record.copy()
         change_record(cars, deviations)
+        derive(cars)
         inputs, corrected = self._inputs(deviations, prepared), self._corrected(deviations, prepared)
         out = np.empty((1, prepared.manoeuvre.samples, len(chosen)))
         fixed = (self._car.tables, inputs, corrected, prepared.valid, prepared.start)

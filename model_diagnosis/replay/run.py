@@ -6,37 +6,16 @@ from numpy.typing import NDArray
 
 from model_diagnosis.replay.brake_step import count_stop_energy
 from model_diagnosis.replay.chassis_step import move_body, move_in_plane
-from model_diagnosis.replay.record import INPUTS, OUTPUTS, Record
-from model_diagnosis.replay.state import (
-    ACCELERATION_X,
-    ACCELERATION_Y,
-    BODY_STATES,
-    BRAKE_TORQUE,
-    CLAMPING,
-    DISC_ANGLE,
-    DISC_TEMPERATURE,
-    DISTANCE,
-    LATERAL_SPEED,
-    LOAD,
-    PITCH,
-    PITCH_RATE,
-    ROLL,
-    ROLL_RATE,
-    SLIP_X,
-    SLIP_Y,
-    SPEED,
-    SPIN,
-    SPIN_RATE,
-    STOP_ENERGY,
-    TRAVEL,
-    TYRE_HEAT,
-    TYRE_X,
-    TYRE_Y,
-    WHEEL_STATES,
-    YAW_ACCELERATION,
-    YAW_RATE,
+from model_diagnosis.replay.record import (
+    INPUT_BANK,
+    INPUT_DRIVE_FRONT,
+    INPUT_DRIVE_REAR,
+    INPUT_GRADE,
+    INPUT_STEER,
+    OUTPUTS,
+    Record,
 )
-from model_diagnosis.replay.tyre_step import reshape
+from model_diagnosis.replay.tyre_step import set_tables
 from model_diagnosis.replay.wheel_step import move_wheel, steer_wheels
 
 SUBSTEPS = 5
@@ -51,59 +30,51 @@ GAIN_WHEEL, GAIN_SPEED, GAIN_YAW, GAIN_SPEED_BY_WHEELS = range(4)
 _OUTPUTS = len(OUTPUTS)
 
 
-@njit(cache=True, nogil=True)
-def _step(
-    p: Record,
-    tables: NDArray[np.float64],
-    body: NDArray[np.float64],
-    wheels: NDArray[np.float64],
-    inputs: NDArray[np.float64],
-    step: float,
-) -> None:
-    move_body(p, body, wheels, step)
-    steer_wheels(p, wheels, inputs, step)
+@njit(cache=True, nogil=True, error_model="numpy")
+def _step(p: Record, s: Record, step: float) -> None:
+    move_body(p, s, step)
+    steer_wheels(p, s, step)
     for i in range(4):
-        move_wheel(p, tables, body, wheels, inputs, i, step)
+        move_wheel(p, s, i, step)
     if p.in_stop_rise != 0.0:
-        count_stop_energy(body, wheels, inputs, step)
-    move_in_plane(p, body, wheels, inputs, step)
+        count_stop_energy(s, step)
+    move_in_plane(p, s, step)
 
 
-@njit(cache=True, nogil=True)
-def _shape_tables(p: Record, base: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The tyres' tables, reshaped where the record asks for it."""
-    if p.sliding_loss == 0.0 and p.peak_shift == 0.0:
-        return base
-    shaped = base.copy()
-    for axle in range(2):
-        reshape(base[axle, 0], p.sliding_loss, p.peak_shift, p.peak_slip_x[2 * axle], shaped[axle, 0])
-        reshape(base[axle, 1], p.sliding_loss, p.peak_shift, p.peak_slip_y[2 * axle], shaped[axle, 1])
-    return shaped
+@njit(cache=True, nogil=True, error_model="numpy")
+def _read_inputs(s: Record, before: NDArray[np.float64], after: NDArray[np.float64], share: float) -> None:
+    """Inputs of a step between two samples."""
+    for i in range(4):
+        s.pressure[i] = before[i] + share * (after[i] - before[i])
+    s.drive_front = before[INPUT_DRIVE_FRONT] + share * (after[INPUT_DRIVE_FRONT] - before[INPUT_DRIVE_FRONT])
+    s.drive_rear = before[INPUT_DRIVE_REAR] + share * (after[INPUT_DRIVE_REAR] - before[INPUT_DRIVE_REAR])
+    s.steer = before[INPUT_STEER] + share * (after[INPUT_STEER] - before[INPUT_STEER])
+    s.grade = before[INPUT_GRADE] + share * (after[INPUT_GRADE] - before[INPUT_GRADE])
+    s.bank = before[INPUT_BANK] + share * (after[INPUT_BANK] - before[INPUT_BANK])
 
 
-@njit(cache=True, nogil=True)
-def _write_outputs(p: Record, body: NDArray[np.float64], wheels: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+@njit(cache=True, nogil=True, error_model="numpy")
+def _write_outputs(p: Record, s: Record, out: NDArray[np.float64]) -> None:
     """All outputs (``OUTPUTS``) at this instant; sensors of wheel speeds and yaw rate lag by a constant time."""
     for i in range(4):
-        out[i] = wheels[SPIN, i] - p.wheel_speed_lag * wheels[SPIN_RATE, i]
-        out[4 + i] = wheels[LOAD, i]
-        out[8 + i], out[12 + i] = wheels[TYRE_X, i], wheels[TYRE_Y, i]
-        out[16 + i] = wheels[TRAVEL, i]
-        out[20 + i], out[24 + i] = wheels[SLIP_X, i], -np.arctan(wheels[SLIP_Y, i])
-        out[28 + i], out[32 + i] = wheels[DISC_TEMPERATURE, i], wheels[BRAKE_TORQUE, i]
-    out[36], out[37] = body[SPEED], body[LATERAL_SPEED]
-    out[38] = body[YAW_RATE] - p.gyro_lag * body[YAW_ACCELERATION]
-    out[39], out[40] = body[ACCELERATION_X], body[ACCELERATION_Y]
-    out[41], out[42], out[43], out[44] = body[ROLL_RATE], body[PITCH_RATE], body[ROLL], body[PITCH]
-    out[45] = np.arctan2(body[LATERAL_SPEED], max(body[SPEED], 0.1))
-    out[46] = body[DISTANCE]
+        out[i] = s.spin[i] - p.wheel_speed_lag * s.spin_rate[i]
+        out[4 + i] = s.load[i]
+        out[8 + i], out[12 + i] = s.tyre_x[i], s.tyre_y[i]
+        out[16 + i] = s.travel[i]
+        out[20 + i], out[24 + i] = s.slip_x[i], -np.arctan(s.slip_y[i])
+        out[28 + i], out[32 + i] = s.disc_temperature[i], s.brake_torque[i]
+    out[36], out[37] = s.speed, s.lateral_speed
+    out[38] = s.yaw_rate - p.gyro_lag * s.yaw_acceleration
+    out[39], out[40] = s.acceleration_x, s.acceleration_y
+    out[41], out[42], out[43], out[44] = s.roll_rate, s.pitch_rate, s.roll, s.pitch
+    out[45] = np.arctan2(s.lateral_speed, max(s.speed, 0.1))
+    out[46] = s.distance
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _correct(
     p: Record,
-    body: NDArray[np.float64],
-    wheels: NDArray[np.float64],
+    s: Record,
     full: NDArray[np.float64],
     measured: NDArray[np.float64],
     valid: NDArray[np.float64],
@@ -113,46 +84,40 @@ def _correct(
     along = count = 0.0
     for i in range(4):
         error = valid[i] * (measured[i] - full[i])
-        wheels[SPIN, i] = max(wheels[SPIN, i] + gains[GAIN_WHEEL] * error, 0.0)
+        s.spin[i] = max(s.spin[i] + gains[GAIN_WHEEL] * error, 0.0)
         along += p.radius[i] * error
         count += valid[i]
     if valid[4] > 0.0:
-        body[SPEED] += gains[GAIN_SPEED] * (measured[4] - full[36])
+        s.speed += gains[GAIN_SPEED] * (measured[4] - full[36])
     elif count > 0.0:
-        body[SPEED] += gains[GAIN_SPEED_BY_WHEELS] * along / count
-    body[YAW_RATE] += valid[5] * gains[GAIN_YAW] * (measured[5] - full[38])
+        s.speed += gains[GAIN_SPEED_BY_WHEELS] * along / count
+    s.yaw_rate += valid[5] * gains[GAIN_YAW] * (measured[5] - full[38])
 
 
-@njit(cache=True, nogil=True)
-def _start(
-    p: Record,
-    tables: NDArray[np.float64],
-    body: NDArray[np.float64],
-    wheels: NDArray[np.float64],
-    inputs: NDArray[np.float64],
-    start: NDArray[np.float64],
-    step: float,
-) -> None:
+@njit(cache=True, nogil=True, error_model="numpy")
+def _start(p: Record, s: Record, start: NDArray[np.float64], step: float) -> None:
     """Settle at the first sample's inputs, speed and yaw rate."""
     for i in range(4):
-        wheels[SPIN, i] = start[0] / p.radius[i]
-        wheels[DISC_TEMPERATURE, i] = p.start_temperature[i]
+        s.spin[i] = start[0] / p.radius[i]
+        s.disc_temperature[i] = p.start_temperature[i]
+        s.angle[i], s.sine[i], s.cosine[i] = p.toe[i], np.sin(p.toe[i]), np.cos(p.toe[i])
     for _ in range(PRE_ROLL_SAMPLES * SUBSTEPS):
-        body[SPEED], body[YAW_RATE] = start[0], start[1]
-        _step(p, tables, body, wheels, inputs, step)
-    body[SPEED], body[YAW_RATE] = start[0], start[1]
-    body[DISTANCE] = body[STOP_ENERGY] = 0.0
+        s.speed, s.yaw_rate = start[0], start[1]
+        _step(p, s, step)
+    s.speed, s.yaw_rate = start[0], start[1]
+    s.distance = s.stop_energy = 0.0
     for i in range(4):
-        wheels[DISC_TEMPERATURE, i] = p.start_temperature[i]
-        wheels[TYRE_HEAT, i] = wheels[DISC_ANGLE, i] = 0.0
-        wheels[CLAMPING, i] = inputs[i]
+        s.disc_temperature[i] = p.start_temperature[i]
+        s.tyre_heat[i] = s.disc_angle[i] = 0.0
+        s.clamping[i] = s.pressure[i]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def replay_run(
     cars: NDArray[np.void],
     car: int,
-    base_tables: NDArray[np.float64],
+    memory: NDArray[np.void],
+    tables: NDArray[np.float64],
     inputs: NDArray[np.float64],
     measured: NDArray[np.float64],
     valid: NDArray[np.float64],
@@ -168,7 +133,8 @@ def replay_run(
     Parameters
     ----------
     cars : (k,) of ``REPLAY_RECORD``, of which ``car`` runs
-    base_tables : (2, 2, cells + 1, 2) tables of the tyres: axle, direction
+    memory : shape (1,), zeros of ``STATE_RECORD``
+    tables : (2, 2, CELLS + 1, 2) of the tyres: axle, direction
     inputs : (n, INPUTS)
     measured, valid : (n, 6) signals of ``CORRECTED`` and 1 where they hold
     start : (2,) speed and yaw rate at the first sample
@@ -178,25 +144,22 @@ def replay_run(
     chosen : (c,) outputs to keep
     out : (n, c) predictions before each sample's correction
     """
-    p = cars[car]
-    tables = _shape_tables(p, base_tables)
+    p, s = cars[car], memory[0]
+    set_tables(p, s, tables)
     step = sample_time / SUBSTEPS
-    body, wheels = np.zeros(BODY_STATES), np.zeros((WHEEL_STATES, 4))
-    full, held = np.zeros(_OUTPUTS), np.zeros(INPUTS)
-    restart = np.ones(4)
-    _start(p, tables, body, wheels, inputs[0], start, step)
+    full, restart = np.zeros(_OUTPUTS), np.ones(4)
+    _read_inputs(s, inputs[0], inputs[0], 0.0)
+    _start(p, s, start, step)
     for k in range(inputs.shape[0]):
         if k > 0:
             for j in range(SUBSTEPS):
-                share = (j + 0.5) / SUBSTEPS
-                for c in range(INPUTS):
-                    held[c] = inputs[k - 1, c] + share * (inputs[k, c] - inputs[k - 1, c])
-                _step(p, tables, body, wheels, held, step)
-        _write_outputs(p, body, wheels, full)
+                _read_inputs(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS)
+                _step(p, s, step)
+        _write_outputs(p, s, full)
         for c in range(chosen.shape[0]):
             out[k, c] = full[chosen[c]]
         if horizon > 0:
             if k % horizon == 0:
-                _correct(p, body, wheels, full, measured[k], valid[k], restart)
+                _correct(p, s, full, measured[k], valid[k], restart)
         else:
-            _correct(p, body, wheels, full, measured[k], valid[k], gains)
+            _correct(p, s, full, measured[k], valid[k], gains)

@@ -1,43 +1,65 @@
-"""States of the replay's car: one array of numbers of the body, one of four columns for the wheels."""
+"""Memory of the replay's car while it runs: states, the inputs of this step and the tables of its tyres.
 
-(
-    SPEED,
-    LATERAL_SPEED,
-    YAW_RATE,
-    HEAVE,
-    HEAVE_RATE,
-    PITCH,
-    PITCH_RATE,
-    ROLL,
-    ROLL_RATE,
-    DISTANCE,
-    STOP_ENERGY,
-    ACCELERATION_X,  # specific force along and across, as the accelerometer reports it
-    ACCELERATION_Y,
-    YAW_ACCELERATION,
-    FORCE_X,  # of tyres and air, body axes
-    FORCE_Y,
-) = range(16)
-BODY_STATES = 16
+Records, not arrays: compiled functions hand them on without counting references, which costs more than the physics.
+"""
 
-(
-    SPIN,
-    SPIN_RATE,
-    LAGGED_X,
-    LAGGED_Y,
-    TYRE_X,
-    TYRE_Y,
-    ALIGNING,
-    LOAD,
-    TRAVEL,
-    ANGLE,  # of the road wheel
-    CLAMPING,
-    LAGGED_TORQUE,
-    BRAKE_TORQUE,
-    DISC_TEMPERATURE,
-    DISC_ANGLE,
-    TYRE_HEAT,  # rise of the tread's temperature
-    SLIP_X,
-    SLIP_Y,
-) = range(18)
-WHEEL_STATES = 18
+import numpy as np
+
+from model_diagnosis.replay.record import CELLS
+
+_BODY = (
+    "speed",
+    "lateral_speed",
+    "yaw_rate",
+    "yaw_acceleration",
+    "heave",
+    "heave_rate",
+    "pitch",  # nose down positive
+    "pitch_rate",
+    "roll",  # left side up positive
+    "roll_rate",
+    "distance",
+    "stop_energy",
+    "acceleration_x",  # specific force as the accelerometer reports it
+    "acceleration_y",
+    "force_x",  # of tyres and air, body axes
+    "force_y",
+    # inputs of this step
+    "drive_front",
+    "drive_rear",
+    "steer",
+    "grade",
+    "bank",
+)
+_WHEELS = (
+    "spin",
+    "spin_rate",
+    "lagged_x",  # slip that the tyre follows
+    "lagged_y",
+    "slip_x",
+    "slip_y",
+    "tyre_x",  # forces along and across the wheel
+    "tyre_y",
+    "aligning",
+    "load",
+    "travel",
+    "angle",  # of the road wheel
+    "sine",
+    "cosine",
+    "clamping",  # pressure behind the hysteresis
+    "lagged_torque",
+    "brake_torque",
+    "disc_temperature",
+    "disc_angle",
+    "tyre_heat",  # rise of the tread's temperature
+    "pressure",  # input of this step
+)
+
+STATE_RECORD = np.dtype(
+    [
+        *[(name, "f8") for name in _BODY],
+        *[(name, "f8", (4,)) for name in _WHEELS],
+        ("table", "f8", (2, 2, CELLS + 1, 2)),  # axle, direction
+    ],
+    align=True,
+)

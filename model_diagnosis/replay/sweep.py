@@ -5,9 +5,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from model_diagnosis.replay.run import replay_run
+from model_diagnosis.replay.state import STATE_RECORD
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def replay_cars(
     cars: NDArray[np.void],
     first: int,
@@ -25,4 +26,7 @@ def replay_cars(
 ) -> None:
     """Cars ``first`` to ``last`` (exclusive) into ``out`` (cars, n, c); other arguments as in ``replay_run``."""
     for car in range(first, last):
-        replay_run(cars, car, tables, inputs, measured, valid, start, gains, horizon, sample_time, chosen, out[car])
+        memory = np.zeros(1, STATE_RECORD)
+        replay_run(
+            cars, car, memory, tables, inputs, measured, valid, start, gains, horizon, sample_time, chosen, out[car]
+        )

@@ -6,55 +6,55 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from model_diagnosis.replay.record import Record
-from model_diagnosis.replay.tyre_table import CELLS
+from model_diagnosis.replay.record import CELLS, Record
 
-_LEAST_SHARE = 0.05
+LEAST_SHARE = 0.05
 _SLIDING_SPAN = 4.0
 """Slips over the peak's within which three quarters of the falling branch's loss are reached."""
 
 
-@njit(cache=True, nogil=True)
-def _look_up(table: NDArray[np.float64], relative: float) -> tuple[float, float]:
-    """Friction over its peak and its derivative by the relative slip, by cubic pieces."""
-    whole = 1.0 + relative
-    place = relative / whole * CELLS
-    cell = min(int(place), CELLS - 1)
-    t = place - cell
-    value_0, slope_0, value_1, slope_1 = table[cell, 0], table[cell, 1], table[cell + 1, 0], table[cell + 1, 1]
+@njit(cache=True, nogil=True, error_model="numpy")
+def _look_up(s: Record, axle: int, direction: int, cell: int, t: float) -> tuple[float, float]:
+    """Friction over its peak and its slope by the table's variable times a cell's width, by cubic pieces."""
+    value_0, slope_0 = s.table[axle, direction, cell, 0], s.table[axle, direction, cell, 1]
+    value_1, slope_1 = s.table[axle, direction, cell + 1, 0], s.table[axle, direction, cell + 1, 1]
     difference = value_1 - value_0
     third = slope_0 + slope_1 - 2.0 * difference
     second = difference - slope_0 - third
-    value = value_0 + t * (slope_0 + t * (second + t * third))
-    slope = slope_0 + t * (2.0 * second + t * 3.0 * third)
-    return value, slope * CELLS / (whole * whole)
+    return value_0 + t * (slope_0 + t * (second + t * third)), slope_0 + t * (2.0 * second + t * 3.0 * third)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def tyre_forces(
-    table_x: NDArray[np.float64],
-    table_y: NDArray[np.float64],
-    slip_x: float,
-    slip_y: float,
-    peak_slip_x: float,
-    peak_slip_y: float,
+    s: Record,
+    axle: int,
+    x: float,
+    y: float,
     peak_force_x: float,
     peak_force_y: float,
 ) -> tuple[float, float, float, float]:
-    """Forces [N] along and across at a slip vector, the slope of the first by ``slip_x``, and the relative slip."""
-    x, y = slip_x / peak_slip_x, slip_y / peak_slip_y
+    """Forces [N] along and across, the slope of the first by ``x``, and the length of (x, y).
+
+    Parameters
+    ----------
+    x, y : slip over the slip at the peak, along and across
+    """
     relative = math.sqrt(x * x + y * y)
     if relative < 1e-9:
-        stiffness_x = peak_force_x * table_x[0, 1] * CELLS / peak_slip_x
-        return stiffness_x * slip_x, peak_force_y * table_y[0, 1] * CELLS * y, stiffness_x, relative
-    along, rise = _look_up(table_x, relative)
-    across, _ = _look_up(table_y, relative)
-    cosine, sine = x / relative, y / relative
-    slope = peak_force_x / peak_slip_x * (rise * cosine * cosine + along / relative * (1.0 - cosine * cosine))
-    return peak_force_x * along * cosine, peak_force_y * across * sine, slope, relative
+        stiffness = peak_force_x * s.table[axle, 0, 0, 1] * CELLS
+        return stiffness * x, peak_force_y * s.table[axle, 1, 0, 1] * CELLS * y, stiffness, relative
+    share = 1.0 / (1.0 + relative)
+    place = relative * share * CELLS
+    cell = min(int(place), CELLS - 1)
+    along, rise = _look_up(s, axle, 0, cell, place - cell)
+    across, _ = _look_up(s, axle, 1, cell, place - cell)
+    inverse = 1.0 / relative
+    square = x * x * inverse * inverse
+    slope = rise * CELLS * share * share * square + along * inverse * (1.0 - square)
+    return peak_force_x * along * x * inverse, peak_force_y * across * y * inverse, peak_force_x * slope, relative
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _sliding_share(relative: float) -> float:
     """Course of the falling branch's loss: 0 up to the peak, level there, towards 1 far beyond it."""
     if relative <= 1.0:
@@ -64,35 +64,52 @@ def _sliding_share(relative: float) -> float:
     return square / (1.0 + square)
 
 
-@njit(cache=True, nogil=True)
-def reshape(base: NDArray[np.float64], loss: float, shift: float, peak_slip: float, table: NDArray[np.float64]) -> None:
-    """Table of a tyre whose friction at slip 1 is less by ``loss`` and whose peak lies at a slip more by ``shift``.
+@njit(cache=True, nogil=True, error_model="numpy")
+def _reshape(s: Record, axle: int, direction: int, loss: float, shift: float, peak_slip: float) -> None:
+    """Change a table to that of a tyre with less friction at slip 1 and its peak at a larger slip.
 
     g'(rho) = g(w(rho)) - loss h(rho)/h(1/peak slip), w = rho (1 + q)/(1 + q rho^2) up to the peak: the stiffness stays
     and the peak moves by 1 + q.
     """
-    normal = _sliding_share(1.0 / peak_slip)
+    normal = max(_sliding_share(1.0 / peak_slip), 1e-9)
+    values = np.empty(CELLS + 1)
     for k in range(CELLS + 1):
         variable = k / CELLS
         relative = variable / max(1.0 - variable, 1e-9)
         warped = relative
         if relative < 1.0:
             warped = relative * (1.0 + shift) / (1.0 + shift * relative * relative)
-        value, _ = _look_up(base, warped)
-        table[k, 0] = value - loss * _sliding_share(relative) / max(normal, 1e-9)
-    table[0, 1] = base[0, 1] * (1.0 + shift)
+        place = warped / (1.0 + warped) * CELLS
+        cell = min(int(place), CELLS - 1)
+        value, _ = _look_up(s, axle, direction, cell, place - cell)
+        values[k] = value - loss * _sliding_share(relative) / normal
+    s.table[axle, direction, 0, 1] *= 1.0 + shift
     for k in range(1, CELLS):
-        table[k, 1] = 0.5 * (table[k + 1, 0] - table[k - 1, 0])
-    table[CELLS, 1] = 0.0
+        s.table[axle, direction, k, 0] = values[k]
+        s.table[axle, direction, k, 1] = 0.5 * (values[k + 1] - values[k - 1])
+    s.table[axle, direction, CELLS, 0], s.table[axle, direction, CELLS, 1] = values[CELLS], 0.0
 
 
-@njit(cache=True, nogil=True)
-def load_share(loss: float, load: float, reference: float) -> float:
-    """Friction or stiffness at a load over that at the reference load."""
-    return max(1.0 - loss * (load / reference - 1.0), _LEAST_SHARE)
+@njit(cache=True, nogil=True, error_model="numpy")
+def set_tables(p: Record, s: Record, base: NDArray[np.float64]) -> None:
+    """The tyres' tables (2, 2, CELLS + 1, 2), reshaped where the record asks for it."""
+    for axle in range(2):
+        for direction in range(2):
+            for k in range(CELLS + 1):
+                s.table[axle, direction, k, 0] = base[axle, direction, k, 0]
+                s.table[axle, direction, k, 1] = base[axle, direction, k, 1]
+            if p.sliding_loss != 0.0 or p.peak_shift != 0.0:
+                peak_slip = p.peak_slip_x[2 * axle] if direction == 0 else p.peak_slip_y[2 * axle]
+                _reshape(s, axle, direction, p.sliding_loss, p.peak_shift, peak_slip)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
+def load_share(loss: float, rise: float) -> float:
+    """Friction or stiffness over that at the reference load, ``rise`` the load over it less 1."""
+    return max(1.0 - loss * rise, LEAST_SHARE)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def road_friction(p: Record, wheel: int, distance: float, speed: float, over_temperature: float) -> float:
     """Factor on the friction of a wheel: the tyre's own, a step or split of the road, speed, heat."""
     friction = p.friction[wheel]
@@ -103,5 +120,5 @@ def road_friction(p: Record, wheel: int, distance: float, speed: float, over_tem
     if p.velocity_fade != 0.0:
         friction *= 1.0 - p.velocity_fade * speed
     if p.heat_fade != 0.0:
-        friction *= max(1.0 - p.heat_fade * over_temperature * over_temperature, _LEAST_SHARE)
-    return max(friction, _LEAST_SHARE)
+        friction *= max(1.0 - p.heat_fade * over_temperature * over_temperature, LEAST_SHARE)
+    return max(friction, LEAST_SHARE)

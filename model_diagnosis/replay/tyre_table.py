@@ -12,14 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.replay.record import CELLS
+from model_diagnosis.replay.state import STATE_RECORD
+from model_diagnosis.replay.tyre_step import tyre_forces
 from vehicle_model.tyres.coefficients import SURFACE_FACTOR, SURFACE_SIZE, TYRE_SIZE, write_tyre
 from vehicle_model.tyres.kernel import PREPARED_SIZE, across, along, prepare
 from vehicle_model.tyres.tyre_file import AnyTyre
 
 FloatArray = NDArray[np.float64]
-
-CELLS = 256
-"""Cells of a table; its variable is rho/(1 + rho), from 0 at no slip to 1 at an infinite one."""
 
 _SPEED_M_S = 15.0
 _LOADS = (0.4, 0.7, 1.0, 1.4, 1.8)
@@ -167,14 +167,13 @@ def _largest_error(form: TyreForm, sampler: _Sampler) -> float:
 
 def short_forces(form: TyreForm, slip_x: float, slip_y: float, load: float) -> tuple[float, float]:
     """Forces [N] of the short form, as the compiled step computes them."""
-    from model_diagnosis.replay.tyre_step import tyre_forces
-
     rise = load / form.reference_load - 1.0
     peaks, slips = [], []
     for direction in (form.longitudinal, form.lateral):
         friction = 1.0 - direction.load_loss * rise
         peaks.append(direction.peak * friction * load)
         slips.append(direction.peak_slip * friction / (1.0 - direction.stiffness_loss * rise))
-    tables = form.longitudinal.table, form.lateral.table
-    force_x, force_y, _, _ = tyre_forces(*tables, slip_x, slip_y, slips[0], slips[1], peaks[0], peaks[1])
+    state = np.zeros(1, STATE_RECORD)
+    state[0]["table"][0] = form.longitudinal.table, form.lateral.table
+    force_x, force_y, _, _ = tyre_forces(state[0], 0, slip_x / slips[0], slip_y / slips[1], peaks[0], peaks[1])
     return float(force_x), float(force_y)
