@@ -165,7 +165,7 @@ class AttitudeFilter(Estimator):
         }
         for place, row in enumerate(a.rows):
             chosen = given[int(row)]
-            a.noise[place, place] = (form.measurement[int(row)] if chosen is None else chosen) ** 2
+            a.noise[place] = (form.measurement[int(row)] if chosen is None else chosen) ** 2
         period = a.tuning[PERIOD]
         for place, entry in enumerate(a.entries):
             process, initial = _deviations(int(entry), form, settings)

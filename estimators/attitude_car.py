@@ -36,6 +36,7 @@ from estimators.kalman.covariance import FloatArray
 from estimators.vehicle_numbers import GRAVITY_M_S2, required
 from estimators.vertical_load_car import load_car, slope_of_tyre
 from estimators.vertical_load_settings import VerticalLoadSettings
+from signals.wheels import WHEELS
 
 CAR_RECORD = np.dtype(
     [
@@ -75,13 +76,23 @@ def attitude_car(vehicle: Mapping[str, float], settings: AttitudeSettings) -> ND
         car["stiffness"][place] = 2.0 * slope_of_tyre(vehicle, axle, 0.5 * load) if value is None else value
         car["limit"][place] = settings.friction * load
     car["friction"], car["slowest"] = settings.friction, settings.minimum_speed
-    moment = springs["sprung_mass"] * springs["roll_arm"]
-    roll = moment / (springs["roll_stiffness"] - moment * GRAVITY_M_S2)
-    car["roll_gradient"] = roll if settings.roll_gradient is None else settings.roll_gradient
+    roll = settings.roll_gradient
+    car["roll_gradient"] = _roll_gradient(vehicle, springs) if roll is None else roll
     pitch = settings.pitch_gradient
     car["pitch_gradient"] = _pitch_gradient(vehicle, springs) if pitch is None else pitch
     car["external_speed"] = settings.speed_source == "external"
     return record
+
+
+def _roll_gradient(vehicle: Mapping[str, float], springs: np.void) -> float:
+    """Roll per lateral acceleration [rad/(m/s^2)] of a body on its suspension, and of suspension and wheels on tyres."""
+    moment = springs["sprung_mass"] * springs["roll_arm"]
+    tyres = 0.0
+    for axle, wheels in (("front", WHEELS[:2]), ("rear", WHEELS[2:])):
+        rate = sum(vehicle.get(f"wheels.{wheel}.vertical_stiffness", 0.0) for wheel in wheels)
+        tyres += 0.25 * rate * required(vehicle, f"axles.{axle}.track") ** 2
+    on_tyres = springs["mass"] * springs["height"] / tyres if tyres > 0.0 else 0.0
+    return float(moment / (springs["roll_stiffness"] - moment * GRAVITY_M_S2) + on_tyres)
 
 
 def _pitch_gradient(vehicle: Mapping[str, float], springs: np.void) -> float:
@@ -99,27 +110,33 @@ def axle_force(car: Any, axle: int, slip: float) -> float:
 
 
 @njit(cache=True)
-def car_model(x: FloatArray, u: FloatArray, car: Any, f: FloatArray, h: FloatArray) -> None:
-    """System and observation equations of the car; arrays as of ``two_wheeler_model``."""
+def car_system(x: FloatArray, u: FloatArray, car: Any, f: FloatArray) -> None:
+    """System equation: rates of pitch, roll, speed and lateral speed into ``f``, shape (4,)."""
     g = car.gravity
     s, c = math.sin(x[PHI]), math.cos(x[PHI])
     st, ct = math.sin(x[THETA]), math.cos(x[THETA])
     p, q, r = u[U_ROLL] - x[B_ROLL], u[U_PITCH] - x[B_PITCH], u[U_YAW] - x[B_YAW]
-    v, side = max(x[SPEED], car.slowest), x[LATERAL_SPEED]
-    along = u[U_X] - x[B_X] + g * st
     f[THETA] = q * c - r * s
     f[PHI] = p + (q * s + r * c) * st / ct
-    f[SPEED] = 0.0 if car.external_speed > 0.0 else along + side * r
+    f[SPEED] = 0.0 if car.external_speed > 0.0 else u[U_X] - x[B_X] + g * st + x[LATERAL_SPEED] * r
     f[LATERAL_SPEED] = u[U_Y] - x[B_Y] - x[SPEED] * r - g * ct * s
+
+
+@njit(cache=True)
+def car_observation(x: FloatArray, u: FloatArray, car: Any, h: FloatArray) -> None:
+    """Observation equation: all rows of the measurement into ``h``, shape (6,)."""
+    g = car.gravity
+    r = u[U_YAW] - x[B_YAW]
+    v, side = max(x[SPEED], car.slowest), x[LATERAL_SPEED]
+    along = u[U_X] - x[B_X] + g * math.sin(x[THETA])
     front = axle_force(car, 0, u[U_STEER] - math.atan((side + car.to_front * r) / v))
     rear = axle_force(car, 1, -math.atan((side - car.to_rear * r) / v))
     push = (front + rear) / car.mass
     h[ROW_SPEED] = x[SPEED]
     h[ROW_Y] = push * (1.0 + g * car.roll_gradient) + x[B_Y]
-    h[ROW_Z] = g * ct * c + x[B_Z]
-    h[ROW_YAW] = (car.yaw_inertia * u[U_YAW_RISE] - car.to_front * front + car.to_rear * rear) / (
-        car.mass * car.to_front
-    )
+    h[ROW_Z] = (g * math.cos(x[PHI]) - push * math.sin(x[PHI])) * math.cos(x[THETA]) + x[B_Z]
+    turn = car.yaw_inertia * u[U_YAW_RISE] - car.to_front * front + car.to_rear * rear
+    h[ROW_YAW] = turn / (car.mass * car.to_front)
     h[ROW_ROLL] = g * (x[PHI] - car.roll_gradient * push)
     h[ROW_PITCH] = g * (x[THETA] + car.pitch_gradient * along)
 

@@ -8,24 +8,37 @@ from typing import Any
 
 from numba import njit
 
-from estimators.attitude_car import car_model
-from estimators.attitude_forms import PHI, ROW_SPEED
-from estimators.attitude_memory import ABS, CAR, LARGEST_ROLL, PERIOD, Memory
-from estimators.attitude_two_wheeler import two_wheeler_model
-from estimators.kalman.correction import correct
-from estimators.kalman.covariance import FloatArray, IntArray, propagate
+from estimators.attitude_car import car_observation, car_system
+from estimators.attitude_forms import B_Y, LATERAL_SPEED, PHI, ROW_SPEED, ROWS
+from estimators.attitude_memory import ABS, CAR, LARGEST_ROLL, LOG_VOLUME, PERIOD, Memory
+from estimators.attitude_two_wheeler import two_wheeler_observation, two_wheeler_system
+from estimators.kalman.correction import correct_row
+from estimators.kalman.covariance import FloatArray, IntArray, propagate, symmetrise
+
+_RATES = LATERAL_SPEED + 1
+"""Entries of the full vector that move; the offsets behind them are constant (2.8)."""
 
 
 @njit(cache=True)
-def _model(x: FloatArray, u: FloatArray, bike: Any, car: Any, of_car: bool, m: FloatArray, f: Any, h: Any) -> None:
+def system(x: FloatArray, u: FloatArray, bike: Any, car: Any, of_car: bool, f: FloatArray) -> None:
+    """System equation of car or two-wheeler into ``f``, shape (4,)."""
     if of_car:
-        car_model(x, u, car, f, h)
+        car_system(x, u, car, f)
     else:
-        two_wheeler_model(x, u, bike, m, f, h)
+        two_wheeler_system(x, u, bike, f)
 
 
 @njit(cache=True)
-def differences(
+def observation(x: FloatArray, u: FloatArray, bike: Any, car: Any, of_car: bool, m: FloatArray, h: FloatArray) -> None:
+    """Observation equation of car or two-wheeler into ``h``, shape (6,)."""
+    if of_car:
+        car_observation(x, u, car, h)
+    else:
+        two_wheeler_observation(x, u, bike, m, h)
+
+
+@njit(cache=True)
+def system_slopes(
     x: FloatArray,
     u: FloatArray,
     bike: Any,
@@ -33,13 +46,10 @@ def differences(
     of_car: bool,
     entries: IntArray,
     steps: FloatArray,
-    m: FloatArray,
     rates: FloatArray,
-    outputs: FloatArray,
-    slopes_f: FloatArray,
-    slopes_h: FloatArray,
+    slopes: FloatArray,
 ) -> None:
-    """Value and Jacobians of system and observation equations at a full state, by central differences.
+    """f and df/dx by central differences.
 
     Parameters
     ----------
@@ -48,68 +58,108 @@ def differences(
     entries : array of int, shape (k,)
         Entries of x by which is differentiated.
     steps : array, shape (10,)
-    m, rates, outputs : arrays, shapes (20,), (3, 4), (3, 6)
-        Scratch; the first rows of ``rates`` and ``outputs`` receive f and h.
-    slopes_f, slopes_h : arrays, shapes (k, 4) and (k, 6)
-        Receive the derivatives by each of the entries.
+    rates : array, shape (3, 4)
+        Scratch; its first row receives f.
+    slopes : array, shape (k, 4)
+        Receives the derivatives by each of the entries.
     """
     for column in range(entries.shape[0]):
         entry = entries[column]
         kept, step = x[entry], steps[entry]
         x[entry] = kept + step
-        _model(x, u, bike, car, of_car, m, rates[1], outputs[1])
+        system(x, u, bike, car, of_car, rates[1])
         x[entry] = kept - step
-        _model(x, u, bike, car, of_car, m, rates[2], outputs[2])
+        system(x, u, bike, car, of_car, rates[2])
         x[entry] = kept
         scale = 0.5 / step
-        for row in range(4):
-            slopes_f[column, row] = scale * (rates[1, row] - rates[2, row])
-        for row in range(6):
-            slopes_h[column, row] = scale * (outputs[1, row] - outputs[2, row])
-    _model(x, u, bike, car, of_car, m, rates[0], outputs[0])
+        for row in range(_RATES):
+            slopes[column, row] = scale * (rates[1, row] - rates[2, row])
+    system(x, u, bike, car, of_car, rates[0])
+
+
+@njit(cache=True)
+def observation_slopes(
+    x: FloatArray,
+    u: FloatArray,
+    bike: Any,
+    car: Any,
+    of_car: bool,
+    entries: IntArray,
+    steps: FloatArray,
+    m: FloatArray,
+    outputs: FloatArray,
+    slopes: FloatArray,
+) -> None:
+    """h and dh/dx by central differences; as ``system_slopes``, ``outputs`` and ``slopes`` of shapes (3, 6), (k, 6)."""
+    for column in range(entries.shape[0]):
+        entry = entries[column]
+        if entry >= B_Y:
+            # offsets of G_y and G_z stand in one row each, as they are
+            for row in range(ROWS):
+                slopes[column, row] = 1.0 if row == entry - B_Y else 0.0
+            continue
+        kept, step = x[entry], steps[entry]
+        x[entry] = kept + step
+        observation(x, u, bike, car, of_car, m, outputs[1])
+        x[entry] = kept - step
+        observation(x, u, bike, car, of_car, m, outputs[2])
+        x[entry] = kept
+        scale = 0.5 / step
+        for row in range(ROWS):
+            slopes[column, row] = scale * (outputs[1, row] - outputs[2, row])
+    observation(x, u, bike, car, of_car, m, outputs[0])
 
 
 @njit(cache=True)
 def predict_filter(x: FloatArray, covariance: FloatArray, a: Memory, bike: Any, car: Any) -> None:
     """Explicit Euler over a period with the inputs of the last step; F = I + period df/dx."""
     entries, rates, slopes, period = a.entries, a.rates, a.slopes_f, a.tuning[PERIOD]
-    of_car = a.tuning[CAR] > 0.0
-    differences(
-        x, a.inputs[1], bike, car, of_car, entries, a.steps, a.mechanics, rates, a.outputs, slopes, a.slopes_h
-    )
+    system_slopes(x, a.inputs[1], bike, car, a.tuning[CAR] > 0.0, entries, a.steps, rates, slopes)
     for row in range(entries.shape[0]):
         moved = entries[row]
         for column in range(entries.shape[0]):
-            slope = period * slopes[column, moved] if moved < 4 else 0.0
+            slope = period * slopes[column, moved] if moved < _RATES else 0.0
             a.transition[row, column] = slope + (1.0 if row == column else 0.0)
-        if moved < 4:
+        if moved < _RATES:
             x[moved] += period * rates[0, moved]
     x[PHI] = min(max(x[PHI], -a.tuning[LARGEST_ROLL]), a.tuning[LARGEST_ROLL])
-    propagate(covariance, a.transition, a.process, a.work[0])
+    propagate(covariance, a.transition, a.process, a.work)
 
 
 @njit(cache=True)
 def correct_filter(x: FloatArray, covariance: FloatArray, a: Memory, bike: Any, car: Any) -> float:
-    """Correct with the inputs of this step; normalised innovation squared, the factor of S in ``a.innovation[1]``."""
+    """Correct with the inputs of this step, row by row, which is the same as all at once: R is diagonal.
+
+    Returns
+    -------
+    float
+        e' S^-1 e with e and S = R + H P H' of the prediction; ln det S goes into ``a.status[LOG_VOLUME]``.
+    """
     entries, rows, outputs, slopes = a.entries, a.rows, a.outputs, a.slopes_h
     of_car = a.tuning[CAR] > 0.0
-    differences(
-        x, a.inputs[0], bike, car, of_car, entries, a.steps, a.mechanics, a.rates, outputs, a.slopes_f, slopes
-    )
+    observation_slopes(x, a.inputs[0], bike, car, of_car, entries, a.steps, a.mechanics, outputs, slopes)
+    n = entries.shape[0]
+    for column in range(n):
+        a.correction[column] = 0.0
+    squared, volume = 0.0, 0.0
     for row in range(rows.shape[0]):
         measured = rows[row]
         # wheels that the ABS slips tell nothing of the speed
         told = 0.0 if measured == ROW_SPEED and a.status[ABS] > 0.0 else 1.0
-        a.residual[row] = told * (a.measured[measured] - outputs[0, measured])
-        for column in range(entries.shape[0]):
+        for column in range(n):
             a.design[row, column] = told * slopes[column, measured]
-    for column in range(entries.shape[0]):
-        a.correction[column] = 0.0
-    squared = correct(
-        a.correction, covariance, a.residual, a.design, a.noise, a.gain, a.work, a.wide, a.innovation
-    )  # fmt: skip
-    if math.isfinite(squared):
-        for column in range(entries.shape[0]):
-            x[entries[column]] += a.correction[column]
+        residual = told * (a.measured[measured] - outputs[0, measured])
+        variance = a.noise[row]
+        for i in range(n):
+            for j in range(n):
+                variance += a.design[row, i] * covariance[i, j] * a.design[row, j]
+        volume += math.log(variance)
+        squared += correct_row(
+            a.correction, covariance, residual, a.design[row], a.columns, a.noise[row], 0.0, a.wide
+        )  # fmt: skip
+    symmetrise(covariance)
+    for column in range(n):
+        x[entries[column]] += a.correction[column]
     x[PHI] = min(max(x[PHI], -a.tuning[LARGEST_ROLL]), a.tuning[LARGEST_ROLL])
+    a.status[LOG_VOLUME] = volume
     return squared

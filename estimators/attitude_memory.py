@@ -24,8 +24,9 @@ CHANNELS = 7
     INNOVATION,
     FILTERING,
     ABS,
-) = range(11)
-STATUS = 11
+    LOG_VOLUME,
+) = range(12)
+STATUS = 12
 
 (
     SAMPLE_TIME,
@@ -112,11 +113,9 @@ class Memory(NamedTuple):
     slopes_h: FloatArray
     transition: FloatArray
     design: FloatArray
-    residual: FloatArray
-    gain: FloatArray
+    columns: IntArray
     work: FloatArray
     wide: FloatArray
-    innovation: FloatArray
 
 
 def memory(filters: int, entries: IntArray, rows: IntArray, wheels: int) -> Memory:
@@ -141,7 +140,7 @@ def memory(filters: int, entries: IntArray, rows: IntArray, wheels: int) -> Memo
         radii=np.zeros(wheels),
         initial=np.zeros(k),
         process=np.zeros((k, k)),
-        noise=np.zeros((m, m)),
+        noise=np.zeros(m),
         correction=np.zeros(k),
         measured=np.zeros(ROWS),
         steps=np.zeros(ENTRIES),
@@ -152,9 +151,7 @@ def memory(filters: int, entries: IntArray, rows: IntArray, wheels: int) -> Memo
         slopes_h=np.zeros((k, ROWS)),
         transition=np.zeros((k, k)),
         design=np.zeros((m, k)),
-        residual=np.zeros(m),
-        gain=np.zeros((k, m)),
-        work=np.zeros((2, k, k)),
-        wide=np.zeros((k, m)),
-        innovation=np.zeros((3, m, m)),
+        columns=np.arange(k),
+        work=np.zeros((k, k)),
+        wide=np.zeros((3, k)),
     )

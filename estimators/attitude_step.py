@@ -36,6 +36,7 @@ from estimators.attitude_memory import (
     HELD,
     INNOVATION,
     LARGEST_CENTRE,
+    LOG_VOLUME,
     LOOP,
     MINIMUM_SPEED,
     PERIOD,
@@ -277,7 +278,6 @@ def _step(a: Memory, bike: Any, car: Any, guard: FloatArray, first: bool) -> boo
     """One cycle of 3.6; False where a filter broke down."""
     _take_inputs(a, guard, not first)
     virtual = int(a.tuning[VIRTUAL])
-    factor = a.innovation[1]
     squares = 0.0
     for i in range(a.state.shape[0]):
         x, covariance = a.state[i], a.covariance[i]
@@ -290,7 +290,7 @@ def _step(a: Memory, bike: Any, car: Any, guard: FloatArray, first: bool) -> boo
         squared = correct_filter(x, covariance, a, bike[0], car[0])
         if not (math.isfinite(squared) and all_finite(x)):
             return False
-        a.bank[LOG, i] = log_likelihood(squared, factor, a.tuning[STUDENT])
+        a.bank[LOG, i] = log_likelihood(squared, a.status[LOG_VOLUME], a.rows.shape[0], a.tuning[STUDENT])
         squares += a.bank[WEIGHT, i] * squared
     a.status[INNOVATION] = min(squares, _MOST_REPORTED)
     a.status[STEPS] += 1.0

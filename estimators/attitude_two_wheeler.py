@@ -159,8 +159,10 @@ def _static_forces(bike: np.void) -> tuple[float, float]:
 
 
 @njit(cache=True)
-def mechanics(x: FloatArray, u: FloatArray, bike: Any, m: FloatArray) -> None:
-    """Everything that the equations of 2.2 to 2.6 give for a state and its inputs, into ``m``.
+def motion(
+    x: FloatArray, u: FloatArray, bike: Any
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float, float, float, float]:
+    """Motion of the body (2.2, first row of 2.4 and 2.5).
 
     Parameters
     ----------
@@ -168,35 +170,63 @@ def mechanics(x: FloatArray, u: FloatArray, bike: Any, m: FloatArray) -> None:
         Full state, offsets included.
     u : array, shape (11,)
         Inputs as measured.
-    m : array, shape (20,)
+
+    Returns
+    -------
+    tuple of float
+        sin and cos of the roll angle, rates p, q, r, derivatives dp, dq, dr, dphi, dtheta, q s + r c, theta, a_x, dV_x.
     """
     s, c = math.sin(x[PHI]), math.cos(x[PHI])
     p, r = u[U_ROLL] - x[B_ROLL], u[U_YAW] - x[B_YAW]
     dp, dr = u[U_ROLL_RISE], u[U_YAW_RISE]
-    theta, zeta, zeta_rate = 0.0, 0.0, 0.0
+    theta, zeta = 0.0, 0.0
     if bike.pitches > 0.0:
         q, dq = u[U_PITCH] - x[B_PITCH], u[U_PITCH_RISE]
-        theta, zeta, zeta_rate = x[THETA], u[U_ELEVATION], u[U_ELEVATION_RATE]
+        theta, zeta = x[THETA], u[U_ELEVATION]
     else:
         q, dq = r * s / c, dr * s / c + r * p / (c * c)
-    st, ct = math.sin(theta), math.cos(theta)
-    tz, cz = math.tan(zeta), math.cos(zeta)
     turn, nod = q * s + r * c, q * c - r * s
-    roll = p + turn * st / ct
+    roll = p + turn * math.tan(theta)
+    radius, base = bike.crown, bike.base
+    high = bike.height - radius * (1.0 - c)
+    a_x = -base * (q * q + r * r) + p * q * radius * s + p * r * high + dq * high
+    a_x -= dr * radius * s + 2.0 * radius * roll * turn
+    dv = u[U_X] - x[B_X] - x[SPEED] * q * math.tan(zeta) - a_x + bike.gravity * math.sin(theta)
+    return s, c, p, q, r, dp, dq, dr, roll, nod, turn, theta, a_x, dv
+
+
+@njit(cache=True)
+def two_wheeler_system(x: FloatArray, u: FloatArray, bike: Any, f: FloatArray) -> None:
+    """System equation (19), (69a): rates of pitch, roll and speed into ``f``, shape (4,).
+
+    The fourth is 0: a two-wheeler's contact point does not slide sideways.
+    """
+    _, _, _, _, _, _, _, _, roll, nod, _, _, _, dv = motion(x, u, bike)
+    f[THETA] = nod if bike.pitches > 0.0 else 0.0
+    f[PHI] = roll
+    f[SPEED] = 0.0 if bike.external_speed > 0.0 else dv
+    f[3] = 0.0
+
+
+@njit(cache=True)
+def mechanics(x: FloatArray, u: FloatArray, bike: Any, m: FloatArray) -> None:
+    """Everything that the equations of 2.2 to 2.6 give for a state and its inputs, into ``m``, shape (20,)."""
+    s, c, p, q, r, dp, dq, dr, roll, nod, turn, theta, a_x, dv = motion(x, u, bike)
+    st, ct = math.sin(theta), math.cos(theta)
+    zeta, zeta_rate = 0.0, 0.0
+    if bike.pitches > 0.0:
+        zeta, zeta_rate = u[U_ELEVATION], u[U_ELEVATION_RATE]
+    tz, cz = math.tan(zeta), math.cos(zeta)
     rise = dp + (dq * s + dr * c + nod * roll) * st / ct + turn * nod / (ct * ct)
     radius, base = bike.crown, bike.base
     high = bike.height - radius * (1.0 - c)
     # sensor against contact point (2.4)
-    a_x = -base * (q * q + r * r) + p * q * radius * s + p * r * high + dq * high
-    a_x -= dr * radius * s + 2.0 * radius * roll * turn
     a_y = p * q * base + q * r * high - radius * s * (p * p + r * r) + dr * base - dp * high
     a_y += 2.0 * p * radius * s * roll + radius * (c * rise - s * roll * roll)
     a_z = p * r * base + q * r * radius * s - high * (p * p + q * q) + dp * radius * s - dq * base
     a_z += 2.0 * p * radius * c * roll - radius * (s * rise + c * roll * roll)
     # specific forces (38), (59)
     v = x[SPEED]
-    along = u[U_X] - x[B_X]
-    dv = along - v * q * tz - a_x + bike.gravity * st
     g_y = v * (r - p * tz) + a_y + bike.gravity * ct * s
     g_z = dv * tz + v * (zeta_rate / (cz * cz) - q) + a_z + bike.gravity * ct * c
     # mass centre against sensor (47), angular momentum (48)
@@ -214,7 +244,7 @@ def mechanics(x: FloatArray, u: FloatArray, bike: Any, m: FloatArray) -> None:
     m[M_QX] = q_x
     m[M_QY] = bike.pitch_inertia * dq + r * h_x - p * h_z
     m[M_QZ] = bike.product * dp + bike.yaw_inertia * dr + p * h_y - q * h_x
-    m[M_FX] = bike.mass * (along + w_x) + bike.drag * v * abs(v)
+    m[M_FX] = bike.mass * (u[U_X] - x[B_X] + w_x) + bike.drag * v * abs(v)
     m[M_FY], m[M_FZ] = f_y, f_z
     # row x of (65): built from modelled forces, so that offsets of G_y and G_z stay out of it
     m[M_BALANCE] = q_x + f_y * (radius * (1.0 - c) - bike.height - bike.mass_z) + f_z * radius * s
@@ -222,23 +252,17 @@ def mechanics(x: FloatArray, u: FloatArray, bike: Any, m: FloatArray) -> None:
 
 
 @njit(cache=True)
-def two_wheeler_model(x: FloatArray, u: FloatArray, bike: Any, m: FloatArray, f: FloatArray, h: FloatArray) -> None:
-    """System and observation equations (19), (21), (69a), (70a).
+def two_wheeler_observation(x: FloatArray, u: FloatArray, bike: Any, m: FloatArray, h: FloatArray) -> None:
+    """Observation equation (21), (70a).
 
     Parameters
     ----------
     m : array, shape (20,)
         Scratch; see :func:`mechanics`.
-    f : array, shape (4,)
-        Receives rates of pitch, roll, speed and 0 (a two-wheeler's rear contact does not slide sideways).
     h : array, shape (6,)
-        Receives the rows of the measurement that it has.
+        Receives the rows of the measurement that a two-wheeler has.
     """
     mechanics(x, u, bike, m)
-    f[THETA] = m[M_PITCH_RATE] if bike.pitches > 0.0 else 0.0
-    f[PHI] = m[M_ROLL_RATE]
-    f[SPEED] = 0.0 if bike.external_speed > 0.0 else m[M_SPEED_RATE]
-    f[3] = 0.0
     h[ROW_Y] = m[M_GY] + x[B_Y]
     h[ROW_Z] = m[M_GZ] + x[B_Z]
     h[ROW_SPEED] = m[M_WHEEL]

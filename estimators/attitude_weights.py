@@ -19,25 +19,21 @@ LEAST = 1e-300
 
 
 @njit(cache=True)
-def log_likelihood(squared: float, factor: FloatArray, degrees: float) -> float:
+def log_likelihood(squared: float, volume: float, rows: int, degrees: float) -> float:
     """Logarithm of (27): -(e' S^-1 e + ln det S)/2, or of a student density with the same S.
 
     Parameters
     ----------
-    squared : float
-        e' S^-1 e.
-    factor : array, shape (m, m)
-        Cholesky factor of S.
+    squared, volume : float
+        e' S^-1 e and ln det S.
+    rows : int
+        Measurements in e.
     degrees : float
         Degrees of freedom of the student density; 0 for (27).
     """
-    m = factor.shape[0]
-    volume = 0.0
-    for i in range(m):
-        volume += math.log(factor[i, i])
     if degrees > 0.0:
-        return -volume - 0.5 * (degrees + m) * math.log(1.0 + squared / degrees)
-    return -volume - 0.5 * squared
+        return -0.5 * volume - 0.5 * (degrees + rows) * math.log(1.0 + squared / degrees)
+    return -0.5 * (volume + squared)
 
 
 @njit(cache=True)
