@@ -93,8 +93,9 @@ def logs(
     from bench.report.summary import output_console
 
     with SearchProgress() as progress:
-        findings = find(logs, vehicle, channels=channels, hold_out=hold_out or [], seed=seed, progress=progress)
-    written = write(findings, out or default_folder(logs), vehicle)
+        found = find(logs, vehicle, channels=channels, hold_out=hold_out or [], seed=seed, progress=progress)
+        progress("page and extended car", 0.98)
+        written = write(found, out or default_folder(logs))
     if as_json:
         print_json(written.as_json())
     else:

@@ -27,6 +27,21 @@ PAGE_FILE, ANSWER_FILE, VEHICLE_FILE = "diagnosis.html", "diagnosis.json", "exte
 
 
 @dataclass(frozen=True)
+class Found:
+    """A diagnosis with the arrays behind it, and the car that it is of.
+
+    Attributes
+    ----------
+    vehicle_argument : str
+        Name or file of the car, as given or as the recording tells.
+    """
+
+    findings: Findings
+    vehicle: VehicleFile
+    vehicle_argument: str
+
+
+@dataclass(frozen=True)
 class Written:
     """A diagnosis and the folder that its files are in."""
 
@@ -79,8 +94,8 @@ def diagnose(
     """
     found = find(_texts(logs), vehicle, channels=channels, hold_out=_texts(hold_out), seed=seed, progress=progress)
     if out is not None:
-        found = write(found, Path(out), vehicle).findings
-    return found.diagnosis
+        return write(found, Path(out)).diagnosis
+    return found.findings.diagnosis
 
 
 def find(
@@ -91,7 +106,7 @@ def find(
     hold_out: Sequence[str] = (),
     seed: int = 0,
     progress: Progress | None = None,
-) -> Findings:
+) -> Found:
     """The diagnosis with the arrays behind it (`diagnose` for the parameters)."""
     from bench.loop.versions import versions
 
@@ -99,10 +114,13 @@ def find(
     if both:
         raise InputError(f"{both[0]}: is diagnosed and held out at once", mend="name it once, here or after --hold-out")
     channel_map = None if channels is None else load_channel_map(channels)
-    car = open_vehicle(logs, vehicle, channel_map)
+    name = car_name(logs, vehicle, channel_map)
+    car = load_vehicle(name)
     searched = read(logs, car, channel_map)
     held_out = read(hold_out, car, channel_map) if hold_out else None
-    from model_diagnosis.diagnosis import diagnose as diagnose_manoeuvres  # compiles: what cannot be read is told before
+    from model_diagnosis.diagnosis import (
+        diagnose as diagnose_manoeuvres,  # compiles: what cannot be read is told before
+    )
 
     findings = diagnose_manoeuvres(searched, car, hold_out=held_out, seed=seed, progress=progress)
     answer = findings.diagnosis.model_copy(
@@ -114,7 +132,7 @@ def find(
             "versions": findings.diagnosis.versions | versions(),
         }
     )
-    return replace(findings, diagnosis=answer, logs=[*logs, *hold_out])
+    return Found(replace(findings, diagnosis=answer, logs=[*logs, *hold_out]), car, name)
 
 
 def read(logs: Sequence[str], vehicle: VehicleFile, channel_map: ChannelMap | None) -> list[Manoeuvre]:
@@ -140,33 +158,50 @@ def read(logs: Sequence[str], vehicle: VehicleFile, channel_map: ChannelMap | No
     return manoeuvres
 
 
-def open_vehicle(logs: Sequence[str], vehicle: str | Path | None, channel_map: ChannelMap | None) -> VehicleFile:
-    """The car: as given, or that of a recording's scenario.
+def car_name(logs: Sequence[str], vehicle: str | Path | None, channel_map: ChannelMap | None) -> str:
+    """Name or file of the car: as given, or that of a recording's scenario.
 
     Raises
     ------
     InputError
-        If neither tells one, or the file has faults.
+        If neither tells one.
     """
     if vehicle is not None:
-        return load_vehicle(vehicle)
+        return str(vehicle)
     recordings = [] if channel_map is not None else [path for log in logs if (path := recording_of(log)) is not None]
     if channel_map is None and len(recordings) < len(logs):
         raise _needs_map(next(log for log in logs if recording_of(log) is None))
     car = car_of(recordings)
     if not car:
         raise InputError(f"{logs[0]}: the log does not say which car it is", mend="give it: --vehicle NAME|FILE")
-    return load_vehicle(car)
+    return car
 
 
-def write(findings: Findings, folder: Path, vehicle: str | Path | None) -> Written:
-    """Write page, answer and, where something was found that gains on held-out data, the extended vehicle file."""
+def write(found: Found, folder: Path, *, stops: bool = True) -> Written:
+    """Write page and answer, and where what was found gains on data that took no part, the extended vehicle file.
+
+    Parameters
+    ----------
+    found : Found
+        What `find` gave.
+    folder : Path
+        Made where it is not there.
+    stops : bool
+        Let the extended car stop with the ECU in the loop, beside the vehicle file's.
+    """
+    from bench.diagnosis.extending import with_stops, write_extension
     from bench.diagnosis_report.page import build
 
     folder.mkdir(parents=True, exist_ok=True)
+    extended = folder / VEHICLE_FILE
+    extended.unlink(missing_ok=True)
+    answer = write_extension(found.findings, extended, found.vehicle, found.vehicle_argument)
+    if stops and answer.extension_file:
+        answer = with_stops(answer, found.vehicle_argument, extended)
+    findings = replace(found.findings, diagnosis=answer)
     build(findings, folder)
     partial = folder / f".{ANSWER_FILE}.partial"
-    partial.write_text(json.dumps(answer_json(findings.diagnosis), indent=2, ensure_ascii=False) + "\n", "utf-8")
+    partial.write_text(json.dumps(answer_json(answer), indent=2, ensure_ascii=False) + "\n", "utf-8")
     os.replace(partial, folder / ANSWER_FILE)
     return Written(findings, folder)
 
