@@ -1,6 +1,7 @@
 """Command of the generator: ``python generate.py cases --seed 1 --n 20 --out cases --sealed sealed``."""
 
 import argparse
+import json
 import sys
 from pathlib import Path
 
@@ -20,7 +21,14 @@ def main(arguments: list[str] | None = None) -> int:
     cases.add_argument("--family", choices=FAMILIES)
     cases.add_argument("--generator", choices=tuple(GENERATORS), default="first")
     cases.add_argument("--only", type=int, nargs="*", help="numbers of the cases; by default all")
-    return _cases(parser.parse_args(arguments))
+    separate = commands.add_parser("separate", help="expected log evidence for the truth of a case against rivals")
+    separate.add_argument("--seed", type=int, required=True)
+    separate.add_argument("--index", type=int, required=True)
+    separate.add_argument("--family", choices=FAMILIES)
+    separate.add_argument("--generator", choices=tuple(GENERATORS), default="first")
+    separate.add_argument("--rivals", nargs="+", required=True, help="names of effects")
+    given = parser.parse_args(arguments)
+    return _cases(given) if given.command == "cases" else _separate(given)
 
 
 def _cases(given: argparse.Namespace) -> int:
@@ -28,9 +36,15 @@ def _cases(given: argparse.Namespace) -> int:
     given.out.mkdir(parents=True, exist_ok=True)
     write_manifest(given.out, facts)
     for index in given.only if given.only is not None else range(given.n):
-        case = Case(given.seed, index, given.n, given.family, given.generator)
+        case = Case(given.seed, index, given.family, given.generator)
         case.write(given.out / f"case_{index:04d}", given.sealed / f"case_{index:04d}.json")
         print(f"case_{index:04d}", flush=True)
+    return 0
+
+
+def _separate(given: argparse.Namespace) -> int:
+    case = Case(given.seed, given.index, given.family, given.generator)
+    print(json.dumps(case.separation(given.rivals)))
     return 0
 
 

@@ -5,6 +5,11 @@ the numbers of the car's data sheet, what it knows of effects are their publishe
 --help`` runs it; ``FORM_DIFFERENCES`` lists in what its simulator differs in form from a usual 1 ms replay model.
 """
 
+import hashlib
+import os
+import sys
+from pathlib import Path
+
 VERSION = "1"
 
 FORM_DIFFERENCES = (
@@ -19,3 +24,16 @@ FORM_DIFFERENCES = (
     "second generator: exponential (Burckhardt) tyre curves on a friction circle in place of the arctangent ones",
 )
 """In what the hidden car differs in form from the model that diagnoses it."""
+
+
+def _compile_cache() -> None:
+    """A cache of compiled code per state of these sources: numba's own does not see a changed callee."""
+    if "numba" in sys.modules:
+        return
+    here = Path(__file__).parent
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sorted(here.glob("*.py")))).hexdigest()[:16]
+    base = Path(os.environ.get("NUMBA_CACHE_DIR") or Path.home() / ".cache" / "hidden_effects")
+    os.environ["NUMBA_CACHE_DIR"] = str(base / f"hidden_effects_{digest}")
+
+
+_compile_cache()

@@ -42,9 +42,8 @@ def wheel_pressure(
 
 @njit(cache=True)
 def piston_pressure(car: Any, piston: float, pressure: float) -> float:
-    """Pressure that reaches the pads behind a piston that sticks by ``brake_hysteresis`` [Pa]."""
-    half = 0.5 * car.brake_hysteresis
-    return min(max(piston, pressure - half), pressure + half)
+    """Pressure [Pa] at the pads: it follows a rising one and falls only after that fell by ``brake_hysteresis``."""
+    return max(min(piston, pressure + car.brake_hysteresis), pressure)
 
 
 @njit(cache=True)
@@ -92,9 +91,7 @@ def disc_temperature(car: Any, disc: float, power: float, spin: float, step: flo
 
 
 @njit(cache=True)
-def accumulate(
-    car: Any, volumes: NDArray[np.float64], released: NDArray[np.float64], pump: bool, step: float
-) -> None:
+def accumulate(car: Any, volumes: NDArray[np.float64], released: NDArray[np.float64], pump: bool, step: float) -> None:
     """Fluid in the two diagonal circuits' accumulators after a step; ``released`` [m^3] per wheel."""
     for circuit in range(2):
         taken = released[circuit] + released[3 - circuit]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 GRAVITY_M_S2 = 9.81
 WHEELS = ("fl", "fr", "rl", "rr")
+BALANCE_SCATTER = 0.02
 
 Numbers = dict[str, NDArray[np.float64]]
 
@@ -46,7 +47,7 @@ DATA_SHEET: dict[str, Number] = {
     # body and suspension (friction document, Table 8)
     "mass": Number(1296.0, 0.03, paths=("body.mass",)),
     "wheelbase": Number(2.57),
-    "cg_to_front": Number(1.25, 0.01, relative=False, paths=("body.centre_of_gravity_to_front_axle",)),
+    "cg_to_front": Number(1.25, 0.02, relative=False, paths=("body.centre_of_gravity_to_front_axle",)),
     "cg_height": Number(0.535, 0.03, paths=("body.centre_of_gravity_height",)),
     "track": Number(1.46),
     "yaw_inertia": Number(1817.473, 0.03, paths=("body.yaw_inertia",)),
@@ -55,51 +56,51 @@ DATA_SHEET: dict[str, Number] = {
     "spring_rate": Number((20e3, 22e3), 0.03, paths=_axles("suspension.*.spring_rate")),
     "damper_rate": Number(
         (1600.0, 1700.0),
-        0.03,
+        0.05,
         paths=_axles("suspension.*.compression_damping") + _axles("suspension.*.rebound_damping"),
     ),
-    "anti_roll_rate": Number((9e3, 3e3), 0.03, paths=_axles("suspension.*.anti_roll_rate")),
-    "roll_centre": Number((0.0, 0.0)),
-    "support_tangent": Number((0.0, 0.0)),
+    "anti_roll_rate": Number((9e3, 3e3), 0.05, paths=_axles("suspension.*.anti_roll_rate")),
+    "roll_centre": Number((0.0, 0.0), 0.01, relative=False, paths=_axles("suspension.*.roll_centre_height")),
+    "support_tangent": Number((0.0, 0.0), 0.01, relative=False, paths=_axles("suspension.*.brake_support_angle")),
     # air
     "drag_area": Number(0.8, 0.03, paths=("aerodynamics.drag_coefficient",)),
     "air_density": Number(1.2),
-    "lift_area": Number((0.0, 0.0)),
+    "lift_area": Number((0.0, 0.0), 0.01, relative=False),
     "side_area": Number(2.0),
-    "head_wind": Number(0.0),
-    "side_wind": Number(0.0),
+    "head_wind": Number(0.0, 0.3, relative=False),
+    "side_wind": Number(0.0, 0.3, relative=False),
     # wheels and tyres
     "radius": Number((0.278,) * 4, 0.002, common=False, paths=_wheels("wheels.*.radius")),
     "radius_growth": Number(0.0),
     "wheel_inertia": Number((0.8,) * 4, 0.03, paths=_wheels("wheels.*.inertia")),
-    "rolling_resistance": Number((0.015,) * 4, 0.03, paths=_wheels("wheels.*.rolling_resistance")),
-    "peak_x": Number((1.12, 1.12, 0.98, 0.98), 0.03, paths=_axles("tyres.*.longitudinal.peak_friction")),
-    "peak_y": Number((1.0,) * 4, paths=_axles("tyres.*.lateral.peak_friction")),
+    "rolling_resistance": Number((0.015,) * 4, 0.05, paths=_wheels("wheels.*.rolling_resistance")),
+    "peak_x": Number((1.12, 1.12, 0.98, 0.98)),
+    "peak_y": Number((1.0,) * 4),
     "shape_x": Number(1.316),
     "shape_y": Number(1.4),
     "stiffness_x": Number((14.34,) * 4, 0.03, paths=_axles("tyres.*.longitudinal.stiffness")),
     "stiffness_y_front": Number(13.0, 0.03, paths=("tyres.front.lateral.stiffness",)),
     "stiffness_y_rear": Number(13.0, 0.03, paths=("tyres.rear.lateral.stiffness",)),
-    "relaxation_x": Number(0.25, 0.1, paths=_axles("tyres.*.relaxation_length_longitudinal")),
-    "relaxation_y": Number(0.4, 0.1, paths=_axles("tyres.*.relaxation_length_lateral")),
+    "relaxation_x": Number(0.2, 0.1, paths=_axles("tyres.*.relaxation_length_longitudinal")),
+    "relaxation_y": Number(0.2, 0.1, paths=_axles("tyres.*.relaxation_length_lateral")),
     "load_sensitivity": Number(0.0),
     "nominal_load": Number(3500.0),
     "friction_speed_loss": Number(0.0),
     "friction_heat_loss": Number(0.0),
-    "conicity": Number(0.0),
+    "conicity": Number(0.0, 5.0, relative=False),
     "pneumatic_trail": Number(0.03),
-    "wheel_friction": Number((1.0,) * 4),
+    "wheel_friction": Number((1.0,) * 4, 0.03, paths=_wheels("wheels.*.friction_factor")),
     "curve": Number(0.0),
     # brakes
     "pad_gain": Number((13e-5, 13e-5, 6.5e-5, 6.5e-5), 0.03, paths=_axles("brakes.*.pad_friction")),
     "balance": Number(0.0),
-    "wheel_brake": Number((1.0,) * 4),
+    "wheel_brake": Number((1.0,) * 4, 0.01, common=False, paths=_wheels("brakes.pad_glazing_*")),
     "pad_radius": Number(0.1),
-    "pad_speed_exponent": Number(0.0),
-    "pad_pressure_exponent": Number(1.0),
+    "pad_speed_exponent": Number(0.0, 0.01, relative=False, paths=_axles("brakes.*.pad_speed_exponent")),
+    "pad_pressure_exponent": Number(1.0, 0.01, relative=False, paths=_axles("brakes.*.pad_pressure_exponent")),
     "pad_fade": Number(0.0),
     "pad_fade_temperature": Number(300.0),
-    "in_stop_rise": Number(0.0),
+    "in_stop_rise": Number(0.0, 0.01, relative=False),
     "brake_hysteresis": Number(0.0),
     "brake_threshold": Number(0.0),
     "drag_torque": Number((0.0,) * 4),
@@ -130,16 +131,16 @@ DATA_SHEET: dict[str, Number] = {
     "driveline_drag": Number(0.0),
     "differential_torque": Number(0.0),
     "steering_ratio": Number(16.0, 0.01, paths=("steering.ratio",)),
-    "steering_stiffness": Number(2e4, 0.03, paths=("steering.stiffness",)),
-    "steering_offset": Number(0.0, 2e-4, relative=False, paths=("steering.offset",)),
+    "steering_stiffness": Number(2e4, 0.05, paths=("steering.stiffness",)),
+    "steering_offset": Number(0.0, 5e-4, relative=False, paths=("steering.offset",)),
     "grade": Number(0.0, 0.001, relative=False),
     "bank": Number(0.0, 0.001, relative=False),
     "roughness": Number(0.0),
     "friction_step_at": Number(1e9),
     "friction_step": Number(1.0),
-    "friction_left": Number(1.0),
+    "friction_split": Number(0.0, 0.005, relative=False),
     # controller
-    "abs_slip": Number(0.14),
+    "abs_slip": Number(0.16),
     "abs_hold": Number(0.02),
     # unknown terms: kind 0 is none
     "unknown_kind": Number(0.0),
@@ -179,9 +180,9 @@ def draw_car(random: np.random.Generator) -> tuple[Numbers, dict[str, float]]:
             deviations[name] = float(draw)
         else:
             deviations |= {f"{name}_{wheel}": float(d) for wheel, d in zip(WHEELS, draw, strict=True)}
-    balance = 0.02 * random.standard_normal()
+    balance = BALANCE_SCATTER * random.standard_normal()
     car["balance"] = car["balance"] + balance
-    deviations["balance"] = balance / 0.02
+    deviations["balance"] = balance / BALANCE_SCATTER
     return car, deviations
 
 

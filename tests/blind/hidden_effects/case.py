@@ -1,7 +1,7 @@
 """One case of the challenge: hidden car, logs, map, vehicle file, and the sealed label."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,9 @@ import numpy as np
 
 from hidden_effects import FORM_DIFFERENCES, VERSION
 from hidden_effects.car import DATA_SHEET, Numbers, as_record, draw_car
+from hidden_effects.effects import EFFECTS
 from hidden_effects.families import Draw, Hidden, draw, family_of, place_name
+from hidden_effects.isolability import separation
 from hidden_effects.logs import FORMATS, channel_map, database, write_logs
 from hidden_effects.manoeuvres import HELD_OUT, SIX, Script
 from hidden_effects.recording import Loggers, MessageLog, draw_loggers, record
@@ -28,15 +30,15 @@ class Case:
 
     Parameters
     ----------
-    seed, index, count : the challenge, the case's number in it, how many it has
+    seed, index : the challenge and the case's number in it
     family : one family for all cases; None for the mixture
     generator : ``first`` or ``second`` (another tyre curve)
     """
 
-    def __init__(self, seed: int, index: int, count: int, family: str | None, generator: str) -> None:
+    def __init__(self, seed: int, index: int, family: str | None, generator: str) -> None:
         self.index = index
         self.random = np.random.default_rng([seed, index, 20_917])
-        self.family = family_of(index, count, family)
+        self.family = family_of(index, family)
         self.car, self.deviations = draw_car(self.random)
         self.chain = draw_sensors(self.random)
         self.car["curve"] = np.array(GENERATORS[generator])
@@ -126,6 +128,19 @@ class Case:
         place = hidden.place if hidden.effect.places > 1 and len(nominal) > 1 else 0
         value = float(np.atleast_1d(store[name])[place])
         return value / float(nominal[place]) if hidden.effect.relative else value
+
+    def separation(self, rivals: Sequence[str]) -> list[dict[str, float | None]]:
+        """For each hidden effect: expected log evidence against each rival; None for a rival unknown here."""
+        known = {effect.name: effect for effect in EFFECTS}
+        wanted = [known[name] for name in rivals if name in known]
+        scripts = self.scripts()[0]
+        result: list[dict[str, float | None]] = []
+        for hidden in self.draw.effects:
+            others = [effect for effect in wanted if effect.name != hidden.effect.name]
+            truth = (hidden.effect, hidden.deviation, hidden.place)
+            found = separation(truth, others, self.car, self.chain, scripts, self.draw.missing)
+            result.append({name: found.get(name) for name in rivals if name != hidden.effect.name})
+        return result
 
     def write(self, folder: Path, sealed: Path) -> None:
         """Write ``folder`` (logs, held_out, map, vehicle file, seal) and, apart, ``sealed`` (salt and label)."""

@@ -12,19 +12,23 @@ from numpy.typing import NDArray
 
 CYCLE_S = 0.01
 OFF, RELEASE, HOLD, REBUILD = 0, 1, 2, 3
-ENTRY_DECELERATION_M_S2 = -35.0
-RUN_UP_M_S2 = 3.0
+ENTRY_DECELERATION_M_S2 = -80.0
+ENTRY_SLIP = 0.1
+RUN_UP_M_S2 = -5.0
 SLOWEST_M_S = 3.5
 STEEPEST_FALL_M_S2 = 11.5
-REBUILD_PERIOD = 4
+STEEPEST_RISE_M_S2 = 5.0
+LONGEST_HOLD_S = 0.08
+REBUILD_PERIOD = 3
 """Cycles of a rebuild step, one of which builds pressure."""
 
 
 @njit(cache=True)
 def reference_speed(before: float, rim: NDArray[np.float64]) -> float:
-    """Reference speed [m/s] from four rim speeds: the second fastest, falling no faster than a car can brake."""
+    """Reference speed [m/s] from four rim speeds: the second fastest, no faster than a car brakes or speeds up."""
     ordered = np.sort(rim)
-    return max(ordered[2], before - STEEPEST_FALL_M_S2 * CYCLE_S)
+    fallen, risen = before - STEEPEST_FALL_M_S2 * CYCLE_S, before + STEEPEST_RISE_M_S2 * CYCLE_S
+    return min(max(ordered[2], fallen), risen)
 
 
 @njit(cache=True)
@@ -45,13 +49,13 @@ def decide(
         slip = (reference - rim[i]) / max(reference, 1.0)
         if not braking or reference < SLOWEST_M_S:
             phase[i] = OFF
-        elif slip > car.abs_slip or (acceleration[i] < ENTRY_DECELERATION_M_S2 and slip > 0.05):
+        elif slip > car.abs_slip or (acceleration[i] < ENTRY_DECELERATION_M_S2 and slip > ENTRY_SLIP):
             if phase[i] != RELEASE:
                 timer[i] = 0
             phase[i] = RELEASE
         elif phase[i] == RELEASE and acceleration[i] > RUN_UP_M_S2:
             phase[i], timer[i] = HOLD, 0
-        elif phase[i] == HOLD and (slip < 0.5 * car.abs_slip and timer[i] * CYCLE_S >= car.abs_hold):
+        elif phase[i] == HOLD and timer[i] * CYCLE_S >= (car.abs_hold if slip < 0.6 * car.abs_slip else LONGEST_HOLD_S):
             phase[i], timer[i] = REBUILD, 0
         elif phase[i] == REBUILD and timer[i] > 60:
             phase[i] = OFF

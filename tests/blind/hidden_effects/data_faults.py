@@ -40,7 +40,9 @@ def _pick(random: np.random.Generator, *choices: str) -> str:
     return str(random.choice(choices))
 
 
-def _changed(series: Mapping[str, FloatArray], names: tuple[str, ...], change: Callable[[FloatArray], FloatArray]) -> Series:
+def _changed(
+    series: Mapping[str, FloatArray], names: tuple[str, ...], change: Callable[[FloatArray], FloatArray]
+) -> Series:
     return {name: change(value) if name in names else value for name, value in series.items()}
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from hidden_effects.car import WHEELS, Numbers
 from hidden_effects.data_faults import FAULTS, Fault
-from hidden_effects.effects import EFFECTS, SMALLEST_UNITS, HiddenEffect
+from hidden_effects.effects import EFFECTS, HiddenEffect
 from hidden_effects.manoeuvres import SIX
 from hidden_effects.special_effects import UNEXCITED, VISIBLE_IN_ONE
 from hidden_effects.unknown_terms import KINDS, UnknownKind
@@ -26,6 +26,7 @@ SHARES: dict[str, float] = {
 """Cases of each family in 200; ``detection`` (singles below the limit) is drawn on request only."""
 
 FAMILIES = (*SHARES, "detection")
+
 
 @dataclass(frozen=True)
 class LookAlike:
@@ -115,7 +116,7 @@ class Draw:
     expected: dict[str, Any] = field(default_factory=dict)
 
 
-def family_of(index: int, count: int, wanted: str | None) -> str:
+def family_of(index: int, wanted: str | None) -> str:
     """Family of a case, so that any count holds the families in their shares."""
     if wanted is not None:
         return wanted
@@ -138,7 +139,7 @@ def draw_hidden(effect: HiddenEffect, random: np.random.Generator, low: float, h
 
 
 def _usual(effect: HiddenEffect, random: np.random.Generator) -> Hidden:
-    return draw_hidden(effect, random, SMALLEST_UNITS, effect.largest)
+    return draw_hidden(effect, random, effect.smallest, effect.largest)
 
 
 def named(name: str) -> HiddenEffect:
@@ -167,7 +168,7 @@ def _single(random: np.random.Generator) -> Draw:
 
 def _detection(random: np.random.Generator) -> Draw:
     effect = EFFECTS[int(random.integers(len(EFFECTS)))]
-    return Draw("detection", (draw_hidden(effect, random, 0.5, SMALLEST_UNITS),))
+    return Draw("detection", (draw_hidden(effect, random, 0.5, effect.smallest),))
 
 
 def _pair(random: np.random.Generator) -> Draw:
@@ -187,9 +188,7 @@ def _confounded(random: np.random.Generator) -> Draw:
     hidden = _usual(named(pair.effect), random)
     if pair.effect == "pressure_sensor_offset":  # a threshold cannot be negative
         hidden = Hidden(hidden.effect, abs(hidden.deviation), hidden.place)
-    return Draw(
-        "confounded", (hidden,), manoeuvres=pair.manoeuvres, missing=pair.missing, expected={"twin": pair.twin}
-    )
+    return Draw("confounded", (hidden,), manoeuvres=pair.manoeuvres, missing=pair.missing, expected={"twin": pair.twin})
 
 
 def _unknown(random: np.random.Generator) -> Draw:

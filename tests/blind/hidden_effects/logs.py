@@ -144,7 +144,9 @@ def database(channels: Mapping[str, MessageLog]) -> str:
             unit = _logged_unit(name)[0]
             step, sign = (1.0, "+") if _is_switch(name) else (_step(name), "-")
             low, high = (0.0, 255.0) if _is_switch(name) else (-32768 * step, 32767 * step)
-            lines.append(f' SG_ {_column(name)} : {start}|{width}@1{sign} ({step:g},0) [{low:g}|{high:g}] "{unit}" LOGGER')
+            lines.append(
+                f' SG_ {_column(name)} : {start}|{width}@1{sign} ({step:g},0) [{low:g}|{high:g}] "{unit}" LOGGER'
+            )
             start += width
         lines.append("")
     return "\n".join(lines) + "\n"

@@ -40,7 +40,9 @@ def ramps(*points: tuple[float, float]) -> Callable[[FloatArray], FloatArray]:
     return lambda time: np.interp(time, times, values)
 
 
-def sweep(amplitude: float, low_hz: float, high_hz: float, begin: float, end: float) -> Callable[[FloatArray], FloatArray]:
+def sweep(
+    amplitude: float, low_hz: float, high_hz: float, begin: float, end: float
+) -> Callable[[FloatArray], FloatArray]:
     """Sine whose frequency rises linearly from ``begin`` to ``end`` [s]."""
 
     def value(time: FloatArray) -> FloatArray:
@@ -58,7 +60,15 @@ def _press(begin: float, force: float, rise: float, end: float) -> tuple[tuple[f
 
 def _two_presses(first: float, second: float) -> Callable[[FloatArray], FloatArray]:
     return ramps(
-        (0.0, 0.0), (0.8, 0.0), (1.1, first), (2.9, first), (3.2, 0.0), (4.5, 0.0), (4.7, second), (7.2, second), (7.5, 0.0)
+        (0.0, 0.0),
+        (0.8, 0.0),
+        (1.1, first),
+        (2.9, first),
+        (3.2, 0.0),
+        (4.5, 0.0),
+        (4.7, second),
+        (7.2, second),
+        (7.5, 0.0),
     )
 
 

@@ -80,7 +80,9 @@ def draw_sensors(random: np.random.Generator) -> Numbers:
     return chain
 
 
-def true_channels(columns: FloatArray, pedal: FloatArray, steering: FloatArray, torque: FloatArray) -> dict[str, FloatArray]:
+def true_channels(
+    columns: FloatArray, pedal: FloatArray, steering: FloatArray, torque: FloatArray
+) -> dict[str, FloatArray]:
     """What ideal sensors would read at 1 ms: name -> (n,) array."""
     channels = {name: columns[:, INDEX[name]] for name in ("speed", "yaw_rate", "roll_rate", "pitch_rate", "pump")}
     channels["longitudinal_acceleration"] = columns[:, INDEX["specific_force_x"]]

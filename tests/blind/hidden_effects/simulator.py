@@ -22,8 +22,9 @@ SLOWEST_SLIP_SPEED_M_S = 0.5
 SLOWEST_RELAXATION_SPEED_M_S = 1.0
 BOOSTER_LAG_S = 0.05
 STEERING_LAG_S = 0.0075
-TREAD_HEAT_CAPACITY_J_K = 400.0
-TREAD_COOLING_W_K = 40.0
+DRIVING_NM = 1.0
+TREAD_HEAT_CAPACITY_J_K = 5400.0
+TREAD_COOLING_W_K = 90.0
 PULL_SPEED, PULL_WHEEL, PULL_PRESSURE = 0.1, 0.3, 0.3
 """Share of a recorded difference that replay takes over each 10 ms."""
 
@@ -80,8 +81,7 @@ def _friction(car: Any, i: int, distance: float, speed: float, slide: float, tre
     factor: float = car.wheel_friction[i]
     if distance > car.friction_step_at:
         factor *= car.friction_step
-    if i % 2 == 0:
-        factor *= car.friction_left
+    factor *= 1.0 + car.friction_split if i % 2 == 0 else 1.0 - car.friction_split
     factor *= 1.0 - car.load_sensitivity * (load / car.nominal_load - 1.0)
     factor *= max(1.0 - car.friction_speed_loss * speed, 0.1)
     return max(factor * (1.0 - car.friction_heat_loss * tread * tread), 0.05)
@@ -162,9 +162,7 @@ def _run(
                     rim_rate[i] = 0.5 * rim_rate[i] + 0.5 * (rim[i] - rim_before[i]) / controller.CYCLE_S
                     rim_before[i] = rim[i]
                 reference = controller.reference_speed(reference, rim)
-                pump = controller.decide(
-                    car, reference, rim, rim_rate, pedal[n] > 5.0, phase, timer, inlet, outlet
-                )
+                pump = controller.decide(car, reference, rim, rim_rate, pedal[n] > 5.0, phase, timer, inlet, outlet)
             inlet_history[cycle] = inlet
             outlet_history[cycle] = outlet
         # hydraulics
@@ -184,9 +182,7 @@ def _run(
             low = pressure[i] if full else 0.2 * brakes.FULL_ACCUMULATOR_PA * volumes[circuit] / 4e-6
             supply = master * (1.0 - car.circuit_loss[circuit])
             before = pressure[i]
-            pressure[i] = brakes.wheel_pressure(
-                car, i, before, supply, low, opening_in[i], opening_out[i], STEP_S
-            )
+            pressure[i] = brakes.wheel_pressure(car, i, before, supply, low, opening_in[i], opening_out[i], STEP_S)
             falling = max(before - pressure[i], 0.0) if opening_out[i] > 0.1 else 0.0
             released[i] = falling / car.caliper_stiffness[i // 2]
         brakes.accumulate(car, volumes, released, pump, STEP_S)
@@ -207,10 +203,8 @@ def _run(
             possible = brakes.brake_torque(
                 car, i, piston[i], piston_rate, omega[i], turned[i], disc[i], stop_energy, vx, yaw
             )
-            if car.caliper_lag > STEP_S:
-                torque[i] += STEP_S / car.caliper_lag * (possible - torque[i])
-            else:
-                torque[i] = possible
+            follows = 1.0 - math.exp(-STEP_S / car.caliper_lag) if car.caliper_lag > 0.0 else 1.0
+            torque[i] += follows * (possible - torque[i])
             place_x, place_y = chassis.wheel_place(car, i)
             at_x, at_y = vx - yaw * place_y, vy + yaw * place_x
             if i < 2:
@@ -234,13 +228,14 @@ def _run(
                 stiffness_y,
                 wheel_load,
             )
-            steady_y += car.conicity * wheel_load / car.nominal_load
+            steady_y += car.conicity
             travel = max(faster, SLOWEST_RELAXATION_SPEED_M_S) * STEP_S
             force_x[i] += (1.0 - math.exp(-travel / car.relaxation_x)) * (steady_x - force_x[i])
             force_y[i] += (1.0 - math.exp(-travel / car.relaxation_y)) * (steady_y - force_y[i])
             driven = 0.0
             if i >= 2:
-                driven = 0.5 * (drive_torque[n] - car.engine_braking - car.driveline_drag * omega[i])
+                coasting = car.engine_braking if drive_torque[n] < DRIVING_NM else 0.0
+                driven = 0.5 * (drive_torque[n] - coasting) - car.driveline_drag * omega[i]
                 driven += -lock if i == 2 else lock
             rolling = car.rolling_resistance[i] * wheel_load * radius
             net = driven - radius * force_x[i]

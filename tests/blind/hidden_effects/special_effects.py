@@ -8,8 +8,8 @@ def _fade(car: Numbers, chain: Numbers, deviation: float, place: int) -> None:
     car["pad_fade"] = car["pad_fade"] + deviation
 
 
-def _pump(car: Numbers, chain: Numbers, deviation: float, place: int) -> None:
-    car["pump_rate"] = car["pump_rate"] * (1.0 + deviation)
+def _tyre_heat(car: Numbers, chain: Numbers, deviation: float, place: int) -> None:
+    car["friction_heat_loss"] = car["friction_heat_loss"] + deviation
 
 
 def _friction_step(car: Numbers, chain: Numbers, deviation: float, place: int) -> None:
@@ -21,8 +21,8 @@ def _friction_step(car: Numbers, chain: Numbers, deviation: float, place: int) -
 UNEXCITED: tuple[HiddenEffect, ...] = (
     # no disc reaches the 300 degC at which fade begins
     HiddenEffect("brake_pad_fade", "brake", "1/K", False, 1e-4, 20, (1,), _fade),
-    # the accumulators never fill, so what the pump takes out shows nowhere
-    HiddenEffect("pump_rate", "hydraulics", "1", True, 0.05, 10, (-1,), _pump),
+    # the treads warm by a few degrees only
+    HiddenEffect("tyre_temperature_fade", "tyre", "1/K^2", False, 2e-6, 20, (1,), _tyre_heat),
 )
 
 VISIBLE_IN_ONE: tuple[HiddenEffect, ...] = (

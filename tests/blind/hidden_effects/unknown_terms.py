@@ -27,12 +27,8 @@ KINDS = (
     UnknownKind(PRODUCT, "product", "T_b (1 − a (v / 30 m/s)²)", ("speed", "brake_torque"), 0.15, 0.3),
     UnknownKind(POWER, "power", "T_b (1 − a |r / 0.3 rad/s|^1.5)", ("yaw_rate", "brake_torque"), 0.2, 0.4),
     UnknownKind(HYSTERESIS, "hysteresis", "T_b (1 + a sign(dp/dt))", ("pressure_rate", "brake_torque"), 0.08, 0.2),
-    UnknownKind(
-        THRESHOLD, "threshold", "T_b − a k max(p − 30 bar, 0)", ("brake_pressure", "brake_torque"), 0.2, 0.4
-    ),
-    UnknownKind(
-        PERIODIC, "periodic", "T_b (1 + a sin(2π v / 3 m/s))", ("speed", "brake_torque"), 0.1, 0.25
-    ),
+    UnknownKind(THRESHOLD, "threshold", "T_b − a k max(p − 30 bar, 0)", ("brake_pressure", "brake_torque"), 0.2, 0.4),
+    UnknownKind(PERIODIC, "periodic", "T_b (1 + a sin(2π v / 3 m/s))", ("speed", "brake_torque"), 0.1, 0.25),
 )
 """Sizes a are dimensionless: the largest change relative to the torque in the shipped manoeuvres."""
 

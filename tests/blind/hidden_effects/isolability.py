@@ -1,0 +1,186 @@
+"""What the data of a case can tell apart, by the theory of linear tests on the generator's own model.
+
+Sensitivities are taken in replay mode (recorded inputs, recorded speeds pull the car). With y the whitened change that
+the true effect makes, V = 1 + J D Jᵀ the covariance of noise and nominal scatter, the expected log evidence for it is
+½ yᵀ V⁻¹ y, and that against a rival which may take any size is the same with the rival's column added to V.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hidden_effects.car import BALANCE_SCATTER, DATA_SHEET, Numbers, as_record, nominal_car
+from hidden_effects.effects import HiddenEffect
+from hidden_effects.manoeuvres import SIX, Script
+from hidden_effects.outputs import INDEX
+from hidden_effects.recording import CYCLE_S
+from hidden_effects.sensors import CHANNELS, RATE_HZ, SENSOR_SHEET, first_order, through_chain, true_channels
+from hidden_effects.simulator import Drive, simulate
+
+FloatArray = NDArray[np.float64]
+
+FORM_INFLATION = 6.0
+"""Variance over that of the sensor's noise: half of the noise again as form error, correlated over 0.2 s."""
+RIVAL_SIZE = 3.0
+"""Prior width of a rival in units of its largest size: it may be anything."""
+EVIDENCE_NEEDED = 8.0
+"""Threshold of about log 20 + ½ log p, and the usual price log(e/s), together."""
+_SLOWEST_M_S = 4.0
+_STEP = 0.2
+_INPUTS = ("pedal_force", "steering_wheel_angle", "drive_torque_r", "master_pressure")
+_PRESSURE = INDEX["pressure_fl"]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Recorded truth of one manoeuvre: what every replay of it is driven by."""
+
+    drive: Drive
+    columns: FloatArray
+    chain: Numbers
+
+
+def scene(car: Numbers, chain: Numbers, script: Script) -> Scene:
+    """Simulate a manoeuvre freely."""
+    drive = script.drive()
+    return Scene(drive, simulate(as_record(car), drive), chain)
+
+
+def compared_channels(missing: Sequence[str] = ()) -> tuple[str, ...]:
+    """Channels that a replay predicts; without a master pressure the wheel pressures are inputs only."""
+    stepped = ("VALVES",)
+    names = [n for n, c in CHANNELS.items() if n not in _INPUTS and c.message not in stepped and n not in missing]
+    if "master_pressure" in missing:
+        names = [name for name in names if not name.startswith("brake_pressure")]
+    return tuple(names)
+
+
+def predicted(car: Numbers, chain: Numbers, seen: Scene, names: Sequence[str]) -> FloatArray:
+    """Whitened replay (n·c,) of a recorded manoeuvre by a car and a measuring chain."""
+    recorded = seen.columns.copy()
+    for i in range(4):
+        column = recorded[:, _PRESSURE + i]
+        reading = seen.chain["pressure_scale"] * first_order(column, float(seen.chain["pressure_lag"]))
+        reading = reading + seen.chain["pressure_offset"]
+        acting = (reading - chain["pressure_offset"]) / chain["pressure_scale"]
+        if chain["pressure_lag"] > 0.0:
+            acting = acting + chain["pressure_lag"] * np.gradient(acting, 1.0 / RATE_HZ)
+        recorded[:, _PRESSURE + i] = np.maximum(acting, 0.0)
+    columns = simulate(as_record(car), seen.drive, recorded=recorded)
+    drive = seen.drive
+    series = through_chain(true_channels(columns, drive.pedal, drive.steering_wheel, drive.drive_torque), chain)
+    stride = round(CYCLE_S * RATE_HZ)
+    fast = seen.columns[::stride, 0] > _SLOWEST_M_S
+    parts = [series[name][::stride][fast[: len(series[name][::stride])]] / _spread(name) for name in names]
+    return np.concatenate(parts)
+
+
+def _spread(name: str) -> float:
+    channel = CHANNELS[name]
+    coloured = np.sqrt((1.0 + channel.colour) / (1.0 - channel.colour))
+    noise = np.hypot(channel.noise, channel.resolution / np.sqrt(12.0))
+    return float(noise * coloured * np.sqrt(FORM_INFLATION))
+
+
+def _stacked(car: Numbers, chain: Numbers, scenes: Sequence[Scene], names: Sequence[str]) -> FloatArray:
+    return np.concatenate([predicted(car, chain, seen, names) for seen in scenes])
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where sensitivities are taken: a car, its measuring chain, and the recorded manoeuvres that it replays."""
+
+    car: Numbers
+    chain: Numbers
+    scenes: tuple[Scene, ...]
+    names: tuple[str, ...]
+
+    def change(self, car: Numbers, chain: Numbers) -> FloatArray:
+        """Change (N,) of the whitened replay by another car or chain."""
+        return _stacked(car, chain, self.scenes, self.names) - self._base
+
+    @cached_property
+    def _base(self) -> FloatArray:
+        return _stacked(self.car, self.chain, self.scenes, self.names)
+
+
+def effect_column(effect: HiddenEffect, place: int, point: Point) -> FloatArray:
+    """Change of the whitened replay by an effect of one scatter, from a small step in its direction."""
+    car, chain = dict(point.car), dict(point.chain)
+    step = _STEP * effect.signs[-1]
+    effect.change(car, chain, step * effect.scatter, place)
+    return point.change(car, chain) / step
+
+
+def nominal_point(missing: Sequence[str] = ()) -> Point:
+    """The nominal car in the shipped set."""
+    chain = {name: np.array(number.nominal, float) for name, number in SENSOR_SHEET.items()}
+    car = nominal_car()
+    return Point(car, chain, tuple(scene(car, chain, script) for script in SIX), compared_channels(missing))
+
+
+def scatter_columns(point: Point) -> FloatArray:
+    """Changes (N, p) of the replay by one standard deviation of every number that scatters."""
+    columns = []
+    for in_car, sheet in ((True, DATA_SHEET), (False, SENSOR_SHEET)):
+        for name, number in sheet.items():
+            if number.scatter == 0.0 or name == "ring_phase":
+                continue
+            store = point.car if in_car else point.chain
+            for place in [slice(None)] if number.common else range(np.size(number.nominal)):
+                values = np.atleast_1d(store[name]).astype(float).copy()
+                values[place] += _STEP * number.scatter * (values[place] if number.relative else 1.0)
+                other = {**store, name: values.reshape(np.shape(store[name]))}
+                cars = (other, point.chain) if in_car else (point.car, other)
+                columns.append(point.change(*cars) / _STEP)
+    balance = {**point.car, "balance": point.car["balance"] + _STEP * BALANCE_SCATTER}
+    columns.append(point.change(balance, point.chain) / _STEP)
+    return np.stack(columns, axis=1)
+
+
+def expected_evidence(change: FloatArray, nuisance: FloatArray) -> float:
+    """½ yᵀ (1 + J Jᵀ)⁻¹ y for columns J already scaled by their standard deviations."""
+    inner = np.eye(nuisance.shape[1]) + nuisance.T @ nuisance
+    along = nuisance.T @ change
+    return 0.5 * float(change @ change - along @ np.linalg.solve(inner, along))
+
+
+def detection_limit(effect: HiddenEffect, point: Point, nuisance: FloatArray) -> float:
+    """Size in scatters from which the shipped set shows an effect, by theory, at its worst place."""
+    places = range(max(effect.places, 1))
+    per_scatter = min(expected_evidence(effect_column(effect, place, point), nuisance) for place in places)
+    return float(np.sqrt(EVIDENCE_NEEDED / max(per_scatter, 1e-12)))
+
+
+def separation(
+    truth: tuple[HiddenEffect, float, int],
+    rivals: Sequence[HiddenEffect],
+    car: Numbers,
+    chain: Numbers,
+    scripts: Sequence[Script],
+    missing: Sequence[str],
+) -> dict[str, float]:
+    """Expected log evidence for the true effect at its size against each rival, which may take any size.
+
+    Parameters
+    ----------
+    truth : effect, deviation, place
+    car, chain : without the effect
+    """
+    effect, deviation, place = truth
+    whole_car, whole_chain, half_car, half_chain = dict(car), dict(chain), dict(car), dict(chain)
+    effect.change(whole_car, whole_chain, deviation, place)
+    effect.change(half_car, half_chain, 0.5 * deviation, place)
+    scenes = tuple(scene(whole_car, whole_chain, script) for script in scripts)
+    point = Point(half_car, half_chain, scenes, compared_channels(missing))
+    nuisance = scatter_columns(point)
+    change = effect_column(effect, place, point) * abs(deviation) / effect.scatter
+    result = {}
+    for rival in rivals:
+        columns = [effect_column(rival, at, point) for at in range(max(rival.places, 1))]
+        wide = RIVAL_SIZE * rival.largest * np.stack(columns, axis=1)
+        result[rival.name] = expected_evidence(change, np.column_stack([nuisance, wide]))
+    return result
