@@ -39,8 +39,21 @@ class NominalCar:
     tyre_error: tuple[float, float]
 
 
+_KEPT: dict[str, NominalCar] = {}
+_MOST_KEPT = 8
+
+
 def nominal_car(vehicle: VehicleFile) -> NominalCar:
-    """Record and tables of a vehicle; takes about a second, most of it for tyres of ``.tir`` files."""
+    """Record and tables of a vehicle; those of the last few are kept, since fitting the tyres takes a while."""
+    key = vehicle.model_dump_json()
+    if key not in _KEPT:
+        if len(_KEPT) >= _MOST_KEPT:
+            _KEPT.pop(next(iter(_KEPT)))
+        _KEPT[key] = _build(vehicle)
+    return _KEPT[key]
+
+
+def _build(vehicle: VehicleFile) -> NominalCar:
     record = np.zeros(1, REPLAY_RECORD)
     entry = record[0]
     _write_body(entry, vehicle)

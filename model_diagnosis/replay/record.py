@@ -174,6 +174,8 @@ _OUTPUT_WHEELS = (
     "slip_angle",
     "brake_disc_temperature",
     "brake_torque",
+    "drive_torque",
+    "road_wheel_angle",
 )
 OUTPUTS = (
     *(f"{name}_{wheel}" for name in _OUTPUT_WHEELS for wheel in ("fl", "fr", "rl", "rr")),
@@ -188,5 +190,6 @@ OUTPUTS = (
     "pitch_angle",
     "side_slip_angle",
     "distance",
+    "yaw_acceleration",
 )
 """What the compiled run writes at each sample, catalogue units."""

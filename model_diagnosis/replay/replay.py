@@ -59,9 +59,20 @@ _STATES = (
     "lateral_speed",
     "pitch_angle",
     "roll_angle",
+    "yaw_acceleration",
     *(
         f"{name}_{wheel}"
-        for name in ("slip_ratio", "slip_angle", "brake_disc_temperature", "brake_torque", "vertical_load")
+        for name in (
+            "slip_ratio",
+            "slip_angle",
+            "brake_disc_temperature",
+            "brake_torque",
+            "drive_torque",
+            "road_wheel_angle",
+            "vertical_load",
+            "longitudinal_force",
+            "lateral_force",
+        )
         for wheel in WHEELS
     ),
 )
@@ -159,6 +170,18 @@ class Replay:
     def measured(self, m: int) -> FloatArray:
         """Measured signals (n, c) of manoeuvre ``m``."""
         return self._prepared[m].measured
+
+    def moving(self, m: int) -> NDArray[np.bool_]:
+        """True (n,) where manoeuvre ``m`` is driven at 4 m/s or more."""
+        return reference_speed(self.manoeuvres[m], self.vehicle) >= SLOWEST_M_S
+
+    def car_at(self, theta: FloatArray) -> np.void:
+        """Numbers of the car (``REPLAY_RECORD``) at deviations theta."""
+        cars = self._car.record.copy()
+        change_record(cars, self._deviations(theta))
+        derive(cars)
+        entry: np.void = cars[0]
+        return entry
 
     def predict(self, theta: FloatArray, m: int) -> FloatArray:
         """Observer replay (n, c): each sample predicted from those before it, with the same gains for every theta."""

@@ -28,6 +28,7 @@ GAIN_WHEEL, GAIN_SPEED, GAIN_YAW, GAIN_SPEED_BY_WHEELS = range(4)
 """Fixed gains of the observer per sample; the last one acts where no speed is measured."""
 
 _OUTPUTS = len(OUTPUTS)
+_SPEED, _YAW_RATE, _ROLL_RATE = OUTPUTS.index("speed"), OUTPUTS.index("yaw_rate"), OUTPUTS.index("roll_rate")
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -62,13 +63,15 @@ def _write_outputs(p: Record, s: Record, out: NDArray[np.float64]) -> None:
         out[8 + i], out[12 + i] = s.tyre_x[i], s.tyre_y[i]
         out[16 + i] = s.travel[i]
         out[20 + i], out[24 + i] = s.slip_x[i], -np.arctan(s.slip_y[i])
-        out[28 + i], out[32 + i] = s.disc_temperature[i], s.brake_torque[i]
-    out[36], out[37] = s.speed, s.lateral_speed
-    out[38] = s.yaw_rate - p.gyro_lag * s.yaw_acceleration
-    out[39], out[40] = s.acceleration_x, s.acceleration_y
-    out[41], out[42], out[43], out[44] = s.roll_rate, s.pitch_rate, s.roll, s.pitch
-    out[45] = np.arctan2(s.lateral_speed, max(s.speed, 0.1))
-    out[46] = s.distance
+        out[28 + i], out[32 + i], out[36 + i] = s.disc_temperature[i], s.brake_torque[i], s.drive_torque[i]
+        out[40 + i] = s.angle[i]
+    out[_SPEED], out[_SPEED + 1] = s.speed, s.lateral_speed
+    out[_YAW_RATE] = s.yaw_rate - p.gyro_lag * s.yaw_acceleration
+    out[_YAW_RATE + 1], out[_YAW_RATE + 2] = s.acceleration_x, s.acceleration_y
+    out[_ROLL_RATE], out[_ROLL_RATE + 1] = s.roll_rate, s.pitch_rate
+    out[_ROLL_RATE + 2], out[_ROLL_RATE + 3] = s.roll, s.pitch
+    out[_ROLL_RATE + 4] = np.arctan2(s.lateral_speed, max(s.speed, 0.1))
+    out[_ROLL_RATE + 5], out[_ROLL_RATE + 6] = s.distance, s.yaw_acceleration
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -88,10 +91,10 @@ def _correct(
         along += p.radius[i] * error
         count += valid[i]
     if valid[4] > 0.0:
-        s.speed += gains[GAIN_SPEED] * (measured[4] - full[36])
+        s.speed += gains[GAIN_SPEED] * (measured[4] - full[_SPEED])
     elif count > 0.0:
         s.speed += gains[GAIN_SPEED_BY_WHEELS] * along / count
-    s.yaw_rate += valid[5] * gains[GAIN_YAW] * (measured[5] - full[38])
+    s.yaw_rate += valid[5] * gains[GAIN_YAW] * (measured[5] - full[_YAW_RATE])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

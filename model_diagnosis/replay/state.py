@@ -49,6 +49,7 @@ _WHEELS = (
     "clamping",  # pressure behind the hysteresis
     "lagged_torque",
     "brake_torque",
+    "drive_torque",
     "disc_temperature",
     "disc_angle",
     "tyre_heat",  # rise of the tread's temperature

@@ -128,7 +128,8 @@ def _spin(
     share = 1.0 + p.rolling_speed * speed
     capacity = brake + p.rolling_resistance[i] * share * load * radius
     inertia = p.spin_inertia[i]
-    torque = drive_torque(p, s, i) - force_x * radius
+    s.drive_torque[i] = drive_torque(p, s, i)
+    torque = s.drive_torque[i] - force_x * radius
     momentum = inertia * omega + step * torque + step * radius * slope * omega
     if abs(momentum) <= step * capacity:
         new, friction = 0.0, abs(momentum) / step
