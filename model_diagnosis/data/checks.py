@@ -1,0 +1,91 @@
+"""All checks of manoeuvres: channels against each other, and against the replay where there is one."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from model_diagnosis.data.command_checks import command_fault, find_command
+from model_diagnosis.data.delay_acceptance import accepted_delays
+from model_diagnosis.data.delay_checks import Late, candidates, explain_lags, fault_of, lag_relations, shifted
+from model_diagnosis.data.faults import distinct
+from model_diagnosis.data.geometry import Geometry, geometry_of
+from model_diagnosis.data.level_checks import check_constant, check_load_sign, restore_wraps
+from model_diagnosis.data.low_pass_checks import check_low_pass
+from model_diagnosis.data.replayed import ReplayFactory, replayed_manoeuvres
+from model_diagnosis.data.swap_checks import check_swapped_wheels
+from model_diagnosis.data.unit_checks import check_units
+from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.result import DataFault
+from signals.errors import InputError
+from vehicle_model.vehicle_file import VehicleFile
+
+_LARGE_DELAY_S = 0.15
+
+
+def check_data(
+    manoeuvres: Sequence[Manoeuvre], vehicle: VehicleFile, replay: ReplayFactory | None = None
+) -> tuple[list[DataFault], list[Manoeuvre]]:
+    """Name what is wrong with the data before any physics, and repair it where that is safe.
+
+    Parameters
+    ----------
+    replay : the class ``Replay`` (or what builds one from vehicle and manoeuvres). With it lags and filters are judged
+        against the car's own answer, and a delay is accepted only where the innovations of a refitted replay shrink.
+
+    Returns
+    -------
+    faults, those found while reading first; repaired manoeuvres, in the same order
+    """
+    geometry = geometry_of(vehicle)
+    reading = [fault for m in manoeuvres for fault in m.reading_faults]
+    faults: list[DataFault] = list(reading)
+    repaired = restore_wraps(manoeuvres, reading, geometry)
+    for check in (check_constant, check_load_sign):
+        found, repaired = check(repaired)
+        faults += found
+    for compare in (check_units, check_swapped_wheels):
+        found, repaired = compare(repaired, geometry)
+        faults += found
+    found, repaired = check_low_pass(repaired, geometry)
+    faults += found
+    found, repaired = _check_delays(repaired, geometry, vehicle, None)
+    faults += found
+    if replay is not None and _can_be_replayed(repaired, vehicle, replay):
+        found, repaired = _check_delays(repaired, geometry, vehicle, replay)
+        faults += found
+    return distinct(faults), repaired
+
+
+def _can_be_replayed(manoeuvres: Sequence[Manoeuvre], vehicle: VehicleFile, replay: ReplayFactory) -> bool:
+    try:
+        replay(vehicle, manoeuvres)
+    except InputError:
+        return False
+    return True
+
+
+def _check_delays(
+    manoeuvres: Sequence[Manoeuvre], geometry: Geometry, vehicle: VehicleFile, replay: ReplayFactory | None
+) -> tuple[list[DataFault], list[Manoeuvre]]:
+    """Late channels; with a replay the small ones, each accepted by its innovations unless it is plainly large."""
+    replayed = None
+    if replay is not None:
+        model = replay(vehicle, manoeuvres)
+        replayed = replayed_manoeuvres(model, manoeuvres, np.zeros(len(model.columns)))
+    relations = lag_relations(manoeuvres, geometry, replayed)
+    repaired = list(manoeuvres)
+    commands = find_command(repaired, relations, vehicle)
+    named = [command_fault(late) for late in commands]
+    for late in commands:
+        repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
+    if commands:
+        relations = lag_relations(repaired, geometry, replayed)
+    late_sets = explain_lags(relations, candidates(repaired))
+    large = [late for late in late_sets if replay is None or abs(late.delay_s) > _LARGE_DELAY_S]
+    for late in large:
+        repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
+    small: list[Late] = []
+    if replay is not None and len(late_sets) > len(large):
+        rest = [late for late in late_sets if late not in large]
+        small, repaired = accepted_delays(rest, repaired, vehicle, replay)
+    return named + [fault_of(late) for late in [*large, *small]], repaired

@@ -1,0 +1,93 @@
+"""Commands logged as measurements: no noise where a sensor has some, and a lead over the car's answer."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from model_diagnosis.data.delay_checks import LagRelation, Late
+from model_diagnosis.data.samples import FloatArray
+from model_diagnosis.data.twins import members
+from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.result import DataFault
+from signals.wheels import WHEELS
+from vehicle_model.vehicle_file import VehicleFile
+
+COMMANDED = ("brake_pressure", "steering")
+_LEAD_S = 0.02
+_QUIET = 0.15
+_LEAST_SAMPLES = 50
+_USUAL_NOISE = {"brake_pressure": 1e4, "steering": 2e-3}
+
+
+def noise_of(values: FloatArray) -> float:
+    """Standard deviation of the noise, of third differences, which leave no smooth motion (20 times its variance)."""
+    if len(values) < 10:
+        return 0.0
+    return float(1.4826 * np.median(np.abs(np.diff(values, 3))) / np.sqrt(20.0))
+
+
+def is_quiet(manoeuvres: Sequence[Manoeuvre], group: str, vehicle: VehicleFile) -> bool:
+    """True where a group's channels move without noise although the car's other sensors have some."""
+    expected = max(_sensor_noise(vehicle, group), 0.1 * _USUAL_NOISE[group])
+    moving = [m.channels[n][_moving(m.channels[n])] for m in manoeuvres for n in members(group, list(m.channels))]
+    levels = [noise_of(values) for values in moving if len(values) >= _LEAST_SAMPLES]
+    return bool(levels) and max(levels) < _QUIET * expected and _others_are_noisy(manoeuvres)
+
+
+def _moving(values: FloatArray) -> slice:
+    """From the first to the last change."""
+    change = np.flatnonzero(np.diff(values) != 0.0)
+    return slice(int(change[0]), int(change[-1]) + 2) if len(change) else slice(0, 0)
+
+
+def _sensor_noise(vehicle: VehicleFile, group: str) -> float:
+    if group == "brake_pressure":
+        return float(vehicle.sensors.brake_pressure.noise)
+    return float(vehicle.sensors.steering_wheel_angle.noise)
+
+
+def _others_are_noisy(manoeuvres: Sequence[Manoeuvre]) -> bool:
+    names = ("longitudinal_acceleration", "yaw_rate", *(f"wheel_speed_{w}" for w in WHEELS))
+    levels = {n: noise_of(m.channels[n]) for m in manoeuvres for n in names if n in m.channels}
+    scales = {n: 0.01 if n == "yaw_rate" else 1.0 for n in names}
+    return any(level > 0.005 * scales[n] for n, level in levels.items())
+
+
+def lead_of(relations: Sequence[LagRelation], group: str) -> tuple[float, float]:
+    """How much the car answers later than it should to a group [s], and the spread; (0, inf) where nothing says."""
+    lags = [r for r in relations if r.early == group]
+    if not lags:
+        return 0.0, float("inf")
+    weights = np.array([r.std_s**-2 for r in lags])
+    lead = float(np.sum(weights * np.array([r.lag_s for r in lags])) / weights.sum())
+    return lead, float(weights.sum() ** -0.5)
+
+
+def find_command(manoeuvres: Sequence[Manoeuvre], relations: Sequence[LagRelation], vehicle: VehicleFile) -> list[Late]:
+    """Groups without noise whose answer comes at least 20 ms late: commands, 'early' by that lead."""
+    found = []
+    for group in COMMANDED:
+        lead, spread = lead_of(relations, group)
+        if lead < max(_LEAD_S, 1.2 * spread) or not is_quiet(manoeuvres, group, vehicle):
+            continue
+        channels = list(dict.fromkeys(n for m in manoeuvres for n in members(group, list(m.channels))))
+        found.append(Late("command_not_measurement", frozenset({group}), tuple(channels), -lead, spread))
+    return found
+
+
+def command_fault(late: Late) -> DataFault:
+    """The fault of a command that stands where a measurement should."""
+    lead = -late.delay_s
+    message = (
+        f"{', '.join(late.channels)} has no sensor noise and leads the car's answer by {1e3 * lead:.0f} ms more than a "
+        "measured value would: a command. Shifted by that lead; its own lag stays unknown"
+    )
+    return DataFault(
+        kind="command_not_measurement",
+        channel=", ".join(late.channels),
+        value=lead,
+        unit="s",
+        evidence=0.5 * (lead / late.std_s) ** 2 if late.std_s > 0.0 else None,
+        repaired=True,
+        message=message,
+    )

@@ -1,0 +1,116 @@
+"""A small delay is accepted only where the innovations of a refitted replay shrink by it.
+
+Low friction, a long relaxation length or brake drag shift phases too (by up to 30 ms); refitting the replay to the data
+before and after the shift tells them apart: what physics can explain, the refit explains without a shift.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.data.delay_checks import Late, shifted
+from model_diagnosis.data.replayed import FloatArray, ReplayFactory, ReplayModel
+from model_diagnosis.manoeuvre import Manoeuvre
+from vehicle_model.vehicle_file import VehicleFile
+
+IMPOSTORS = (
+    "tyre_friction",
+    "tyre_longitudinal_stiffness",
+    "tyre_cornering_stiffness",
+    "tyre_relaxation_length",
+    "brake_pad_friction",
+    "brake_balance",
+    "caliper_lag",
+    "mass_change",
+    "cg_height_change",
+    "yaw_inertia",
+    "steering_ratio",
+    "wheel_radius_change",
+    "aero_drag",
+    "accelerometer_offset",
+    "accelerometer_scale",
+    "gyro_scale",
+)
+"""Effects that shift phases or levels, which the refit may use instead of a delay."""
+
+_MARGIN = 200.0
+_MARGIN_SAMPLES = 43_200
+_ORDER = 4
+
+
+def accepted_delays(
+    delays: Sequence[Late], manoeuvres: Sequence[Manoeuvre], vehicle: VehicleFile, replay: ReplayFactory
+) -> tuple[list[Late], list[Manoeuvre]]:
+    """Delays whose whole-sample shift shrinks Σ N log σ of the innovations enough, and the manoeuvres so shifted.
+
+    The margin is 200 for six manoeuvres of nine seconds with eight signals, in proportion to the samples.
+    """
+    accepted: list[Late] = []
+    current = list(manoeuvres)
+    model = replay(vehicle, current)
+    chosen = [k for k, column in enumerate(model.columns) if column.partition(".")[0] in IMPOSTORS]
+    slopes = model.sensitivities(np.zeros(len(model.columns)), chosen)
+    score, samples = refitted_innovations(model, slopes, chosen)
+    for late in sorted(delays, key=lambda one: -one.gain):
+        trial = [shifted(m, late.channels, late.delay_s) for m in current]
+        trial_score, _ = refitted_innovations(replay(vehicle, trial), slopes, chosen)
+        if score - trial_score > _MARGIN * min(1.0, samples / _MARGIN_SAMPLES):
+            accepted.append(late)
+            current, score = trial, trial_score
+    return accepted, current
+
+
+def refitted_innovations(model: ReplayModel, slopes: Sequence[FloatArray], chosen: Sequence[int]) -> tuple[float, int]:
+    """Σ N log σ of the innovations after one damped step of the chosen columns, and the number of samples.
+
+    ``slopes`` (n, c, len(chosen)) may come from slightly shifted data: a chord step.
+    """
+    theta = np.zeros(len(model.columns))
+    residuals, weights = model.residuals(theta), model.weights()
+    stds = [_spread(r, w) for r, w in zip(residuals, weights, strict=True)]
+    best = _score(residuals, weights)
+    widths = np.array([max(model.parameters[k].nuisance_std, model.parameters[k].effect_std) for k in chosen])
+    normal, gradient = np.diag(widths**-2.0), np.zeros(len(chosen))
+    for residual, weight, slope, std in zip(residuals, weights, slopes, stds, strict=True):
+        scaled = (slope * (weight / std)[:, :, None]).reshape(-1, len(chosen))
+        normal = normal + scaled.T @ scaled
+        gradient = gradient + scaled.T @ (residual * weight / std).ravel()
+    step = np.linalg.solve(normal, gradient)
+    for share in (1.0, 0.5):
+        theta[list(chosen)] = np.clip(
+            share * step,
+            [model.parameters[k].low for k in chosen],
+            [model.parameters[k].high for k in chosen],
+        )
+        best = min(best, _score(model.residuals(theta), weights))
+    return best, int(sum(np.sum(w > 0.0) for w in weights))
+
+
+def _spread(residual: FloatArray, weight: FloatArray) -> FloatArray:
+    """Root mean square of each signal (c,), never zero."""
+    counts = np.maximum(weight.sum(axis=0), 1.0)
+    rms: FloatArray = np.sqrt((weight * residual**2).sum(axis=0) / counts)
+    return np.maximum(rms, 1e-9)
+
+
+def _score(residuals: Sequence[FloatArray], weights: Sequence[FloatArray]) -> float:
+    return sum(
+        _log_innovation(residual[:, k], weight[:, k] > 0.0)
+        for residual, weight in zip(residuals, weights, strict=True)
+        for k in range(residual.shape[1])
+    )
+
+
+def _log_innovation(residual: FloatArray, present: NDArray[np.bool_]) -> float:
+    """N log σ of what an autoregression of order 4 cannot predict, over samples with all four before them."""
+    if present.sum() < 50:
+        return 0.0
+    values = np.where(present, residual, 0.0)
+    lagged = np.stack([values[_ORDER - k - 1 : len(values) - k - 1] for k in range(_ORDER)], axis=1)
+    rows = np.all(np.stack([present[_ORDER - k : len(values) - k] for k in range(_ORDER + 1)]), axis=0)
+    if rows.sum() < 50:  # a slow channel: its samples stand alone
+        return float(present.sum() * np.log(np.std(residual[present]) + 1e-12))
+    design, target = lagged[rows], values[_ORDER:][rows]
+    coefficients = np.linalg.solve(design.T @ design + 1e-5 * np.eye(_ORDER) * np.mean(target**2), design.T @ target)
+    return float(present.sum() * np.log(np.std(target - design @ coefficients) + 1e-12))

@@ -1,0 +1,154 @@
+"""Low-passed channels: a first-order lag explains a channel from its twin far better than any delay does."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import signal
+
+from model_diagnosis.data.geometry import Geometry
+from model_diagnosis.data.lags import correlations
+from model_diagnosis.data.samples import BoolArray, FloatArray
+from model_diagnosis.data.twins import AX_SPEED, AX_WHEELS, AY_YAW, YAW_WHEELS, reached, slope, twins_of
+from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from model_diagnosis.result import DataFault
+
+CHANNELS = ("longitudinal_acceleration", "lateral_acceleration", "yaw_rate", "speed")
+_TIME_CONSTANTS_S = np.geomspace(0.03, 5.0, 24)
+_BAND_HZ = (0.05, 4.0)
+_WIDEST_LAG_S = 2.5
+_SHORTEST_S = {AX_WHEELS.name: 0.3, AX_SPEED.name: 0.08, AY_YAW.name: 0.1, YAW_WHEELS.name: 0.08}
+"""Time constants that the car itself makes between the sides: slip for ax and wheels, side slip for ay and yaw rate."""
+_SHORTEST_REPLAYED_S = 0.06
+_SHARE = 0.5
+_GAIN = 20.0
+_INDEPENDENT_PER_S = 2.0
+_RESTORED_UP_TO_S = 0.6
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """A channel's series and the same quantity without a filter, per manoeuvre."""
+
+    filtered: Sequence[FloatArray]
+    plain: Sequence[FloatArray]
+    valid: Sequence[BoolArray]
+    shortest_s: float
+
+
+def first_order(values: FloatArray, time_constant_s: float) -> FloatArray:
+    """First-order lag on the common time base, in steady state at the first sample."""
+    pole = float(np.exp(-SAMPLE_TIME_S / time_constant_s))
+    result: FloatArray = signal.lfilter([1.0 - pole], [1.0, -pole], values, zi=[pole * values[0]])[0]
+    return result
+
+
+def _explained(pair: _Pair, time_constant_s: float | None) -> float:
+    """Largest squared correlation over all delays, the plain side filtered where a time constant is given."""
+    plain = pair.plain if time_constant_s is None else [first_order(p, time_constant_s) for p in pair.plain]
+    total = correlations(pair.filtered, plain, pair.valid, _WIDEST_LAG_S, _BAND_HZ).sum(axis=0)
+    return float(min(np.max(total), 1.0)) ** 2 if np.max(total) > 0.0 else 0.0
+
+
+def _fit(pair: _Pair) -> tuple[float, float]:
+    """Time constant [s] and log likelihood that it wins over a pure delay; (0, 0) where it does not."""
+    unexplained = 1.0 - _explained(pair, None)
+    shares = np.array([1.0 - _explained(pair, float(t)) for t in _TIME_CONSTANTS_S])
+    k = int(np.argmin(shares))
+    share = max(float(shares[k]), 1e-4)
+    if share > _SHARE * unexplained or _TIME_CONSTANTS_S[k] < pair.shortest_s or share > 0.6:
+        return 0.0, 0.0
+    seconds = SAMPLE_TIME_S * sum(float(v.sum()) for v in pair.valid)
+    gain = 0.5 * _INDEPENDENT_PER_S * seconds * float(np.log(unexplained / share))
+    return _refined(shares, k), gain
+
+
+def _refined(shares: FloatArray, k: int) -> float:
+    """Time constant at the minimum of a parabola over log time constant."""
+    logs = np.log(_TIME_CONSTANTS_S)
+    if not 0 < k < len(logs) - 1:
+        return float(_TIME_CONSTANTS_S[k])
+    before, low, after = shares[k - 1 : k + 2]
+    bend = before - 2.0 * low + after
+    shift = 0.5 * (before - after) / bend if bend > 0.0 else 0.0
+    return float(np.exp(logs[k] + shift * (logs[1] - logs[0])))
+
+
+def _pairs(
+    manoeuvres: Sequence[Manoeuvre], geometry: Geometry, channel: str, replayed: Sequence[Manoeuvre] | None
+) -> list[_Pair]:
+    if replayed is not None:
+        rows = [
+            (m.channels[channel], r.channels[channel], reached(m, channel))
+            for m, r in zip(manoeuvres, replayed, strict=True)
+            if channel in m.channels and channel in r.channels
+        ]
+        derived = slope if channel == "speed" else np.asarray
+        return [
+            _Pair([derived(a) for a, _, _ in rows], [derived(b) for _, b, _ in rows], [v for *_, v in rows],
+                  _SHORTEST_REPLAYED_S)
+        ] if rows else []  # fmt: skip
+    found = []
+    for twin in twins_of(manoeuvres, geometry):
+        if twin.kind.name not in _SHORTEST_S:
+            continue
+        if twin.kind.late == channel:
+            found.append(_Pair(twin.left, twin.right, twin.valid, _SHORTEST_S[twin.kind.name]))
+        elif twin.kind.early == channel:
+            found.append(_Pair(twin.right, twin.left, twin.valid, _SHORTEST_S[twin.kind.name]))
+    return found
+
+
+def check_low_pass(
+    manoeuvres: Sequence[Manoeuvre], geometry: Geometry, replayed: Sequence[Manoeuvre] | None = None
+) -> tuple[list[DataFault], list[Manoeuvre]]:
+    """Name channels that a filter has smoothed; undo filters up to 0.6 s, give slower channels weight 0.
+
+    Parameters
+    ----------
+    replayed : the same manoeuvres as the vehicle file predicts them from the inputs; without it the twins are compared
+    """
+    faults: list[DataFault] = []
+    repaired = list(manoeuvres)
+    for _ in CHANNELS:
+        fits = {c: [_fit(p) for p in _pairs(repaired, geometry, c, replayed)] for c in CHANNELS}
+        named = {c: max(found, key=lambda f: f[1]) for c, found in fits.items() if _consistent(found)}
+        if not named:
+            break
+        channel = max(named, key=lambda c: sum(gain for _, gain in fits[c]))
+        time_constant, gain = named[channel]
+        faults.append(_fault(channel, time_constant, gain))
+        repaired = [_restored(m, channel, time_constant) for m in repaired]
+    return faults, repaired
+
+
+def _consistent(fits: Sequence[tuple[float, float]]) -> bool:
+    """True where the evidence is strong and most twins of the channel show it."""
+    shown = [fit for fit in fits if fit[1] > 0.0]
+    return bool(shown) and sum(g for _, g in shown) > _GAIN and 2 * len(shown) > len(fits) - (len(fits) > 1)
+
+
+def _fault(channel: str, time_constant: float, gain: float) -> DataFault:
+    undone = time_constant <= _RESTORED_UP_TO_S
+    what = "undone" if undone else "too slow to be undone: the channel is not used"
+    message = f"{channel} is low-passed with a time constant of {time_constant:.2g} s; {what}"
+    return DataFault(
+        kind="low_pass_channel",
+        channel=channel,
+        value=time_constant,
+        unit="s",
+        evidence=gain,
+        repaired=undone,
+        message=message,
+    )
+
+
+def _restored(manoeuvre: Manoeuvre, channel: str, time_constant: float) -> Manoeuvre:
+    if channel not in manoeuvre.channels:
+        return manoeuvre
+    values = manoeuvre.channels[channel]
+    if time_constant > _RESTORED_UP_TO_S:
+        channels = {name: series for name, series in manoeuvre.channels.items() if name != channel}
+        weights = {name: series for name, series in manoeuvre.weights.items() if name != channel}
+        return replace(manoeuvre, channels=channels, weights=weights)
+    return replace(manoeuvre, channels=dict(manoeuvre.channels) | {channel: values + time_constant * slope(values)})
