@@ -8,6 +8,7 @@ from bench.diagnosis.recordings import recording_of
 from bench.diagnosis_report.words import accepted
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.findings import Findings
+from model_diagnosis.gain import is_proven
 from model_diagnosis.result import Cause, Diagnosis, ParameterEstimate
 from signals.errors import BenchError
 from vehicle_model.vehicle_file import VehicleFile
@@ -15,11 +16,6 @@ from vehicle_model.vehicle_file import VehicleFile
 STOP = "stops/dry"
 GENTLE_PEDAL_FORCE = "150 N"
 BEFORE, AFTER = "vehicle file", "extended"
-
-
-def gains(diagnosis: Diagnosis) -> bool:
-    """True where the error on data that took no part is smaller with what was found, beyond its 90 % interval."""
-    return diagnosis.gain is not None and diagnosis.gain.overall.high < 1.0
 
 
 def write_extension(findings: Findings, path: Path, vehicle: VehicleFile, vehicle_argument: str) -> Diagnosis:
@@ -31,7 +27,7 @@ def write_extension(findings: Findings, path: Path, vehicle: VehicleFile, vehicl
     diagnosis = findings.diagnosis
     if not diagnosis.causes:
         return diagnosis
-    if not gains(diagnosis):
+    if diagnosis.gain is None or not is_proven(diagnosis.gain):
         why = "no data is left to measure a gain on" if diagnosis.gain is None else "no gain on data that took no part"
         return _remarked(diagnosis, [f"no extended vehicle file: {why}"])
     provenance = Provenance(data=hashes_of_logs(_files(findings.logs)), versions=versions())

@@ -24,6 +24,7 @@ from bench.diagnosis_report.words import (
 from bench.report.charts import ChartBook
 from bench.report.formatting import number, quantity
 from bench.report.page_rendering import render
+from model_diagnosis.effects.catalogue import effect as find_effect
 from model_diagnosis.findings import Findings
 from model_diagnosis.rating import grade, ratings_of
 from model_diagnosis.result import Cause, DataFault, Diagnosis
@@ -128,7 +129,7 @@ def _tiles(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
         first = diagnosis.causes[0]
         tiles.append(("probability of the first cause", percent(first.probability), plain(first.effect)))
         for text in parameter_texts(first)[:2]:
-            tiles.append((text.name, text.value, text.change))
+            tiles.append((f"{plain(first.effect)}, {text.name}", text.value, text.change))
     elif diagnosis.probability_of_nothing is not None:
         tiles.append(("probability of nothing", percent(diagnosis.probability_of_nothing), ""))
     if diagnosis.gain is not None:
@@ -148,6 +149,7 @@ def _ranges(timeline: Timeline) -> list[tuple[str, float, float]]:
 
 def _cause(cause: Cause) -> dict[str, Any]:
     others = [plain(name) for name in cause.group if name != cause.effect]
+    paths = {parameter.name: parameter.vehicle_path for parameter in find_effect(cause.effect).parameters}
     return {
         "name": plain(cause.effect),
         "effect": cause.effect,
@@ -158,8 +160,8 @@ def _cause(cause: Cause) -> dict[str, Any]:
         "group": others,
         "remarks": cause.remarks,
         "parameters": [
-            (text, interval_mark(estimate))
-            for text, estimate in zip(parameter_texts(cause), cause.parameters.values(), strict=True)
+            (text, interval_mark(estimate), paths.get(name, ""))
+            for text, (name, estimate) in zip(parameter_texts(cause), cause.parameters.items(), strict=True)
         ],
     }
 

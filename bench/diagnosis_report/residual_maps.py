@@ -1,5 +1,6 @@
 """Where the residuals live: their mean over speed, slip, pressure and temperature, before and after, as pictures."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -38,10 +39,18 @@ class Binned:
 
 STATES = (
     ("speed", "speed", "km/h", 3.6),
-    ("slip", "slip of the wheel", "%", 100.0),
+    ("brake_slip", "brake slip", "%", 100.0),
+    ("slip_angle", "slip angle", "°", 180.0 / math.pi),
     ("pressure", "brake pressure", "bar", 1e-5),
     ("temperature", "disc temperature", "°C", 1.0),
 )
+STEMS = {
+    "brake_slip": ("slip_ratio_", -1.0),
+    "slip_angle": ("slip_angle_", 1.0),
+    "pressure": ("brake_pressure_", 1.0),
+    "temperature": ("brake_disc_temperature_", 1.0),
+}
+LATERAL = ("lateral_acceleration", "yaw_rate", "lateral_speed", "side_slip_angle", "roll_rate", "roll_angle")
 
 
 def residual_maps(findings: Findings, signals: Sequence[str]) -> list[tuple[str, str, list[Markup]]]:
@@ -77,8 +86,9 @@ def binned_residual(findings: Findings, signal: str, state: str) -> Binned | Non
     ----------
     findings : Findings
     signal : str
-        A compared signal; for that of one wheel, slip, pressure and temperature are that wheel's.
-    state : {"speed", "slip", "pressure", "temperature"}
+        A compared signal; for that of one wheel, slip, pressure and temperature are that wheel's. The slip angle is
+        looked at for lateral signals, the brake slip for the others.
+    state : {"speed", "brake_slip", "slip_angle", "pressure", "temperature"}
     """
     over, before, after = [], [], []
     for part in findings.manoeuvres:
@@ -111,13 +121,15 @@ def state_of(part: ManoeuvreFindings, signal: str, state: str) -> FloatArray | N
     known = {**part.manoeuvre.channels, **part.states}
     if state == "speed":
         return known.get("speed")
-    stem = {"slip": "slip_", "pressure": "brake_pressure_", "temperature": "brake_temperature_"}[state]
+    if (state == "slip_angle") != (signal in LATERAL) and state in ("slip_angle", "brake_slip"):
+        return None
+    stem, sign = STEMS[state]
     own = signal.rpartition("_")[2]
     wheels = [own] if own in WHEELS else list(WHEELS)
     found = [known[stem + wheel] for wheel in wheels if stem + wheel in known]
     if not found:
         return known.get("master_pressure") if state == "pressure" else None
-    return np.asarray(np.mean(found, axis=0), dtype=np.float64)
+    return np.asarray(sign * np.mean(found, axis=0), dtype=np.float64)
 
 
 def _picture(binned: Binned, factor: float, state_factor: float, axis: str, label: str, extended: bool) -> Markup:

@@ -83,8 +83,8 @@ def manoeuvre(name: str, bar: float, seconds: float, seed: int, *, held_out: boo
         free_after=after,
         states={
             "speed": truth[:, 1],
-            **{f"slip_{wheel}": 1.0 - truth[:, 2] * RADIUS_M / np.maximum(truth[:, 1], 1.0) for wheel in WHEELS},
-            **{f"brake_temperature_{wheel}": 20.0 + np.cumsum(pressure * truth[:, 1]) * 6e-9 for wheel in WHEELS},
+            **{f"slip_ratio_{wheel}": truth[:, 2] * RADIUS_M / np.maximum(truth[:, 1], 1.0) - 1.0 for wheel in WHEELS},
+            **{f"brake_disc_temperature_{wheel}": 20.0 + np.cumsum(pressure * truth[:, 1]) * 6e-9 for wheel in WHEELS},
         },
         held_out=held_out,
     )
@@ -106,7 +106,7 @@ def cause() -> Cause:
         effect="brake_pad_friction",
         probability=0.83,
         parameters={
-            "pad_friction": ParameterEstimate(value=0.318, low=0.314, high=0.322, unit="1", nominal=0.4),
+            "factor": ParameterEstimate(value=0.318, low=0.314, high=0.322, unit="1", nominal=0.4),
         },
         group=["brake_pad_friction", "pressure_sensor_scale"],
         equation="T_b ← λ T_b at all wheels",
