@@ -11,7 +11,20 @@ from signals.quantities import FileModel, parameter
 from signals.wheels import WHEELS
 
 FormName = Literal[
-    "1A", "1B", "1C", "1D", "2A", "2B", "2C", "2A-light", "2B-light", "2C-light", "car_x", "car_y", "car_z"
+    "1A",
+    "1B",
+    "1C",
+    "1D",
+    "2A",
+    "2B",
+    "2C",
+    "2A-light",
+    "2B-light",
+    "2C-light",
+    "car",
+    "car_x",
+    "car_y",
+    "car_z",
 ]
 SpeedSource = Literal["usual", "rear", "front", "all", "external"]
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
@@ -35,7 +48,8 @@ class AttitudeSettings(FileModel):
     form: FormName = Field(
         default="car_y",
         description="1A to 1D: two-wheeler without pitch gyroscope; 2A to 2C: with it, wheel loads and road slope; "
-        "-light: without the wheel loads; car_x, car_y, car_z: car, with that accelerometer's offset virtual",
+        "-light: without the wheel loads; car: the document's car, lateral offset virtual; car_x, car_y, car_z: with pitch "
+        "and all offsets, that accelerometer's virtual",
     )
     speed_source: SpeedSource = Field(
         default="usual",

@@ -53,6 +53,8 @@ _NO_ABS = {"ecu.kind": "none"}
 _FRICTION = "friction document"
 _LOAD = "vertical-load document"
 _FORCE = "force document"
+_ATTITUDE = "attitude document"
+_SLALOM_OFFSET = "state/attitude_slalom_offset"
 _LANE_CHANGE = "state/vertical_load_lane_change"
 _STATE = "vehicle-state document"
 _STATE_CAR = {"vehicle": "lada_vesta_assumed_steering"}
@@ -155,6 +157,37 @@ GROUPS: dict[str, Group] = {
             Figure("force_front", "RMSE in S1 with noise: 43 N, random-walk filter 17.6 N", f"{_FORCE} 7 F5, F6"),
             Figure("force_rear", "RMSE in S1 with noise: 66 N, random-walk filter 61.7 N", f"{_FORCE} 7 F5, F6"),
             Figure("lateral_speed", "RMSE in S1 with noise: 0.0074 m/s, filter 0.0004 m/s", f"{_FORCE} 7 F5, F6"),
+        ),
+    ),
+    "attitude": Group(
+        "roll, pitch and sensor offsets",
+        (
+            Case("slalom, sound", "state/attitude_slalom"),
+            Case("slalom, 100 mG", _SLALOM_OFFSET),
+            Case("100 mG, banked", _SLALOM_OFFSET, {"road.bank": 0.07}),
+        ),
+        {
+            "attitude_bank": {},
+            "attitude_bank_fine": {
+                "weighting": "accumulated",
+                "virtual_offsets": [0.04 * 9.80665 * step for step in range(-4, 5)],
+            },
+            "attitude_bank_document": {"form": "car"},
+            "attitude_bank_no_roll_balance": {"form": "car", "roll_balance": False},
+            "attitude_single": {},
+            "attitude_single_own_noise": {
+                "measurement_lateral_acceleration": 1.0,
+                "measurement_roll_balance": 0.03,
+                "measurement_yaw_balance": 3.0,
+            },
+            "attitude_augmented": {},
+        },
+        (
+            Figure("roll_angle", "RMSE without offset: one filter 0.04 deg, bank 0.06, flat road", f"{_ATTITUDE} 6"),
+            Figure("roll_angle", "RMSE with 100 mG: one filter 1.56 deg, bank 0.31, flat road", f"{_ATTITUDE} 6"),
+            Figure("roll_angle", "RMSE with 100 mG: 1.71 deg, bank 1.36, road banked to 4 deg", f"{_ATTITUDE} 6"),
+            Figure("roll_angle", "RMSE without roll balance: one filter 7.45 deg, bank 7.11", f"{_ATTITUDE} 6"),
+            Figure("side_slip_angle", "RMSE with 100 mG: one filter 0.34 deg, bank 0.05", f"{_ATTITUDE} 6"),
         ),
     ),
 }
