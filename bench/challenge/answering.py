@@ -1,0 +1,69 @@
+"""Diagnoses of all cases, in worker processes that see nothing but a case's folder."""
+
+import json
+import os
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+_THREAD_SETTINGS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+def answer_case(case: Path) -> dict[str, Any]:
+    """Diagnosis of one case as plain data; a refusal by the tool is an answer too."""
+    from model_diagnosis.diagnosis import diagnose
+    from signals.errors import BenchError
+
+    began = time.perf_counter()
+    try:
+        findings = diagnose(
+            logs_in(case / "logs"),
+            case / "vehicle.yaml",
+            case / "channels.yaml",
+            hold_out=logs_in(case / "held_out"),
+        )
+    except BenchError as error:
+        return {"error": str(error), "seconds": time.perf_counter() - began}
+    found = findings.diagnosis.model_dump(mode="json")
+    return {"diagnosis": found, "linear": dict(findings.evidence), "seconds": time.perf_counter() - began}
+
+
+def logs_in(folder: Path) -> list[Path]:
+    """Log files of a folder, by name."""
+    return sorted(path for path in folder.iterdir() if path.is_file())
+
+
+def answer_all(
+    cases: Sequence[Path], folder: Path, jobs: int, told: Callable[[str, int, int], None] | None = None
+) -> list[Path]:
+    """Diagnose every case and write ``<case>.json`` into ``folder``; answers that are there already are kept."""
+    folder.mkdir(parents=True, exist_ok=True)
+    answers = [folder / f"{case.name}.json" for case in cases]
+    missing = [(case, answer) for case, answer in zip(cases, answers, strict=True) if not answer.is_file()]
+    done = len(cases) - len(missing)
+    if not missing:
+        return answers
+    for name in _THREAD_SETTINGS:  # before the workers start: they read them at import
+        os.environ.setdefault(name, "1")
+    workers = min(jobs, len(missing))
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn"), max_tasks_per_child=25) as pool:
+        futures = {pool.submit(_answer_to_file, str(case), str(answer)): case for case, answer in missing}
+        for future in as_completed(futures):
+            future.result()
+            done += 1
+            if told is not None:
+                told(futures[future].name, done, len(cases))
+    return answers
+
+
+def _answer_to_file(case: str, answer: str) -> None:
+    try:
+        content = answer_case(Path(case))
+    except Exception as error:  # a defect of the tool is a wrong answer, and must not end the challenge
+        content = {"error": f"{type(error).__name__}: {error}", "defect": True}
+    part = Path(f"{answer}.part")
+    part.write_text(json.dumps(content, indent=1), encoding="utf-8")
+    part.replace(answer)
