@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.effects.form import FORM_NAMES
 from model_diagnosis.evidence.replay_model import ReplayModel
 from signals.wheels import WHEELS
 
@@ -35,6 +36,8 @@ def hypotheses_of(replay: ReplayModel, available: Sequence[bool] | None = None) 
     """
     found = []
     for index in range(len(replay.effects)):
+        if replay.effects[index].name in FORM_NAMES:
+            continue
         columns = [int(column) for column in np.flatnonzero(replay.owner == index)]
         if available is not None:
             columns = [column for column in columns if available[column]]

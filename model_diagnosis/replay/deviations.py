@@ -80,8 +80,8 @@ def _tyre_changes() -> dict[str, tuple[_Change, ...]]:
 def _brake_changes() -> dict[str, tuple[_Change, ...]]:
     return {
         "brake_pad_friction.factor": (_relative("torque_per_pressure", ALL),),
-        "brake_pad_speed.exponent": (_absolute("pad_speed_exponent"),),
-        "brake_pad_pressure.exponent": (_absolute("pad_pressure_exponent"),),
+        "brake_pad_speed.exponent": (_absolute("pad_speed_exponent", ALL),),
+        "brake_pad_pressure.exponent": (_absolute("pad_pressure_exponent", ALL),),
         "brake_pad_fade.coefficient": (_absolute("fade", ALL),),
         "brake_pad_fade.temperature": (_absolute("fade_temperature", ALL),),
         "brake_in_stop_rise.rise": (_absolute("in_stop_rise"),),
@@ -128,6 +128,21 @@ def _chassis_changes() -> dict[str, tuple[_Change, ...]]:
     }
 
 
+def _form_changes() -> dict[str, tuple[_Change, ...]]:
+    """Differences of form that are no causes (``effects.form``)."""
+    return {
+        "form_contact_scrub.roll": (_absolute("roll_scrub"),),
+        "form_contact_scrub.pitch": (_absolute("pitch_scrub"),),
+        "form_tyre_spring.stiffness": (_relative("vertical_stiffness", ALL),),
+        "form_body_inertia.roll": (_relative("roll_inertia"),),
+        "form_body_inertia.pitch": (_relative("pitch_inertia"),),
+        "form_lag.accelerometer": (_absolute("accelerometer_lag", least=0.0),),
+        "form_lag.gyro": (_absolute("gyro_lag"),),
+        "form_lag.wheel_speed": (_absolute("wheel_speed_lag"),),
+        "form_lag.steering": (_relative("steering_damping"),),
+    }
+
+
 def _support(axle: slice) -> Callable[[np.void, float], None]:
     def apply(entry: np.void, angle: float) -> None:
         entry["brake_support"][axle] = np.tan(np.arctan(entry["brake_support"][axle]) + angle)
@@ -171,7 +186,7 @@ def _ratio(entry: np.void, deviation: float) -> None:
     entry["steering_scale"] /= 1.0 + deviation
 
 
-_CHANGES: Mapping[str, tuple[_Change, ...]] = {**_tyre_changes(), **_brake_changes(), **_chassis_changes()}
+_CHANGES: Mapping[str, tuple[_Change, ...]] = {**_tyre_changes(), **_brake_changes(), **_chassis_changes(), **_form_changes()}
 _LAWS: Mapping[str, Callable[[np.void, float], None]] = {
     "anti_dive_anti_lift.front": _support(FRONT),
     "anti_dive_anti_lift.rear": _support(REAR),

@@ -141,8 +141,7 @@ def _write_tyre(entry: np.void, vehicle: VehicleFile, axle: int) -> TyreForm:
 def _write_brakes(entry: np.void, vehicle: VehicleFile) -> None:
     brakes = vehicle.brakes
     entry["ambient_temperature"] = brakes.ambient_temperature
-    entry["pad_speed_exponent"] = brakes.front.pad_speed_exponent
-    entry["pad_pressure_exponent"] = brakes.front.pad_pressure_exponent
+    entry["caliper_lag"] = brakes.caliper_time_constant
     for i, name in enumerate(WHEELS):
         axle = brakes.front if i < 2 else brakes.rear
         # eq. 78 of the friction document: two pads
@@ -151,6 +150,8 @@ def _write_brakes(entry: np.void, vehicle: VehicleFile) -> None:
         entry["drag_torque"][i] = getattr(brakes, f"drag_torque_{name}")
         entry["threshold_pressure"][i] = axle.threshold_pressure + getattr(brakes, f"piston_friction_{name}")
         entry["thickness_variation_sine"][i] = getattr(brakes, f"thickness_variation_{name}")
+        entry["pad_speed_exponent"][i] = axle.pad_speed_exponent
+        entry["pad_pressure_exponent"][i] = axle.pad_pressure_exponent
         entry["fade"][i], entry["fade_temperature"][i] = axle.fade, axle.fade_temperature
         entry["fade_floor"][i], entry["effective_radius"][i] = axle.fade_floor, axle.effective_radius
         entry["heat_capacity"][i], entry["heat_share"][i] = axle.disc_heat_capacity, axle.disc_heat_share
@@ -178,4 +179,5 @@ def _write_sensors(entry: np.void, vehicle: VehicleFile) -> None:
     lag = 2.0 * inertial.damping_ratio / (2.0 * math.pi * inertial.cut_off_frequency)
     entry["accelerometer_lag"] = entry["gyro_lag"] = lag
     entry["wheel_speed_lag"] = 0.5 * vehicle.sensors.wheel_speed.window
+    entry["roll_scrub"] = entry["pitch_scrub"] = 1.0
     entry["place_x"], entry["place_y"] = inertial.position_x, inertial.position_y

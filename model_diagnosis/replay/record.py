@@ -38,8 +38,6 @@ _NUMBERS = (
     "stop_energy",  # J, to which the rise refers
     "hysteresis",  # Pa
     "caliper_lag",  # s
-    "pad_speed_exponent",
-    "pad_pressure_exponent",
     "ambient_temperature",
     # air: half density times area, and that times a coefficient
     "air",
@@ -73,6 +71,8 @@ _NUMBERS = (
     "accelerometer_lag",
     "gyro_lag",
     "wheel_speed_lag",
+    "roll_scrub",  # share of the body's roll rate and pitch rate that moves the contact patches
+    "pitch_scrub",
     "place_x",
     "place_y",
 )
@@ -102,6 +102,8 @@ _WHEELS = (
     "threshold_pressure",
     "brake_factor",
     "drag_torque",
+    "pad_speed_exponent",
+    "pad_pressure_exponent",
     "fade",
     "fade_temperature",
     "fade_floor",

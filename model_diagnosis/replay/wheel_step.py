@@ -65,8 +65,8 @@ def move_wheel(
     """One step of a wheel: its tyre forces and its spin."""
     load = max(s.load[i], _LIGHTEST_N)
     turn, omega = s.yaw_rate, s.spin[i]
-    at_x = s.speed - turn * p.wheel_y[i] - p.height * s.pitch_rate
-    at_y = s.lateral_speed + turn * p.wheel_x[i] + p.height * s.roll_rate
+    at_x = s.speed - turn * p.wheel_y[i] - p.pitch_scrub * p.height * s.pitch_rate
+    at_y = s.lateral_speed + turn * p.wheel_x[i] + p.roll_scrub * p.height * s.roll_rate
     sine, cosine = s.sine[i], s.cosine[i]
     v_x, v_y = cosine * at_x + sine * at_y, cosine * at_y - sine * at_x
     radius = p.radius[i] - p.radius_load * (load - p.static_load[i]) + p.radius_speed * v_x * v_x

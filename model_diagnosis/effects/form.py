@@ -1,0 +1,54 @@
+"""Differences of form between cars and the replay, as deviations that are allowed but never named.
+
+What a model describes differently (how a contact patch follows a rolling body, how stiff a tyre stands under its rim, a
+sensor's own lag) would otherwise go into whatever effect is determined weakest (model discrepancy anchor, sections 3.4a
+and 4.3). Each is a column of the replay with its own scatter, so that what it explains is taken out of all evidence.
+"""
+
+from model_diagnosis.effects.effect import Application, Effect, EffectParameter, Group
+
+_MOTION = ("lateral_acceleration", "longitudinal_acceleration", "yaw_rate", "roll_rate", "pitch_rate")
+
+
+def _form(name: str, group: Group, equation: str, signals: tuple[str, ...], *parameters: EffectParameter) -> Effect:
+    return Effect(name, group, Application.PLANT, equation, parameters, signals, "none: not a cause")
+
+
+FORM_EFFECTS: tuple[Effect, ...] = (
+    _form(
+        "form_contact_scrub",
+        Group.SUSPENSION,
+        "v_contact = v + (1 + d) h (roll rate or pitch rate): real links carry the wheel along less",
+        _MOTION,
+        EffectParameter("roll", "1", -1.0, 0.3, 0.5, 0.5),
+        EffectParameter("pitch", "1", -1.0, 0.3, 0.5, 0.5),
+    ),
+    _form(
+        "form_tyre_spring",
+        Group.TYRE,
+        "k_t <- (1 + d) k_t, the vertical stiffness that acts in series with the springs",
+        ("roll_rate", "pitch_rate"),
+        EffectParameter("stiffness", "1", -0.6, 12.0, 1.0, 1.0),
+    ),
+    _form(
+        "form_body_inertia",
+        Group.BODY,
+        "I_xx <- (1 + d) I_xx, I_yy <- (1 + d) I_yy of the sprung body",
+        ("roll_rate", "pitch_rate"),
+        EffectParameter("roll", "1", -0.4, 0.6, 0.05, 0.05, "body.roll_inertia"),
+        EffectParameter("pitch", "1", -0.4, 0.6, 0.05, 0.05, "body.pitch_inertia"),
+    ),
+    _form(
+        "form_lag",
+        Group.SENSOR,
+        "tau <- tau + d of accelerometers, gyro, wheel speeds and steering",
+        _MOTION,
+        EffectParameter("accelerometer", "s", -0.003, 0.02, 0.003, 0.003, relative=False),
+        EffectParameter("gyro", "s", -0.02, 0.02, 0.003, 0.003, relative=False),
+        EffectParameter("wheel_speed", "s", -0.02, 0.02, 0.003, 0.003, relative=False),
+        EffectParameter("steering", "1", -0.9, 4.0, 0.3, 0.3),
+    ),
+)
+
+FORM_NAMES = frozenset(effect.name for effect in FORM_EFFECTS)
+"""Names of effects that are no causes."""
