@@ -13,6 +13,7 @@ from bench.commands import (
     batch,
     campaign,
     check,
+    cluster,
     compare,
     compare_surfaces,
     diagnose,
@@ -52,6 +53,7 @@ app = typer.Typer(
 )
 app.command("run")(run.run)
 app.command("ecu")(ecu.ecu)
+app.command("cluster")(cluster.cluster)
 app.command("batch")(batch.batch)
 app.command("list")(listing.list_scenarios)
 app.command("check")(check.check)

@@ -25,6 +25,7 @@ from bench.codec.tables import (
     LAST_TICK,
     NEXT_DUE,
     OFFSET,
+    PERIOD,
     PROTECTED,
     REPEATED,
     STATISTICS,
@@ -90,6 +91,7 @@ class Codec:
         *,
         channel: int | None = None,
         protection: Protection = "full",
+        notes_lateness: bool = False,
     ) -> "Receiver":
         """Receiver of the other side's messages, or with role "all" of every message.
 
@@ -103,9 +105,12 @@ class Codec:
             Listen to one channel of the link only.
         protection : {"full", "crc", "none"}
             What is checked of protected frames: CRC and alive counter, the CRC alone, or nothing.
+        notes_lateness : bool
+            Ages count what a frame comes late by its counter. Only for senders that miss no cycle: one that pauses and
+            goes on counting where it was looks like frames that were held up.
         """
         sender = {"bench": "ecu", "ecu": "bench", "all": "all"}[role]
-        return Receiver(self.layout.sent_by(sender), values, ages, channel, protection)
+        return Receiver(self.layout.sent_by(sender), values, ages, channel, protection, notes_lateness)
 
     def require(self, role: str, names: Iterable[str], purpose: str) -> None:
         """Raise InputError, listing them, if the messages that ``role`` sends lack one of the signals."""
@@ -149,6 +154,7 @@ class Transmitter:
                 mend=f"add to the mapping file:  messages: {{{without_cycle[0]}: {{cycle: 10 ms}}}}",
             )
         tables = build_tables(carriers, names)
+        self._carriers = by_identifier(carriers)
         self._messages = tables.messages
         self._cycle = math.lcm(*(carrier.cycle_ms for carrier in carriers))
         self._idle = [not any((tick - c.offset_ms) % c.cycle_ms == 0 for c in carriers) for tick in range(self._cycle)]
@@ -160,6 +166,25 @@ class Transmitter:
         self._messages[:, COUNTER] = 0
         self._messages[:, NEXT_DUE] = self._messages[:, OFFSET]
         self._next_tick = 0
+
+    def rows_of(self, names: Iterable[str]) -> NDArray[np.int64]:
+        """Rows of the messages that carry one of the signals, for :meth:`postpone`."""
+        wanted = set(names)
+        carrying = (any(carried.name in wanted for carried in carrier.carried) for carrier in self._carriers)
+        return np.array([row for row, carries in enumerate(carrying) if carries], np.int64)
+
+    def rows_of_all_but(self, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Rows of all other messages."""
+        return np.setdiff1d(np.arange(len(self._carriers)), rows)
+
+    def postpone(self, rows: NDArray[np.int64], tick: int) -> None:
+        """Leave messages out in a tick; they are sent again at their next regular tick. The alive counter goes on."""
+        messages = self._messages
+        for row in rows:
+            period, offset = messages[row, PERIOD], messages[row, OFFSET]
+            if tick >= messages[row, NEXT_DUE]:
+                messages[row, COUNTER] = (messages[row, COUNTER] + 1) & 15
+            messages[row, NEXT_DUE] = tick + 1 + (offset - tick - 1) % period
 
     def due(self, tick: int, frames: NDArray[np.void], start: int = 0) -> int:
         """Pack the frames that are due in a tick into ``frames[start:]``; returns their number.
@@ -184,7 +209,9 @@ class Receiver:
         ages: NDArray[np.float64],
         channel: int | None,
         protection: Protection,
+        notes_lateness: bool,
     ) -> None:
+        self._notes_lateness = notes_lateness
         self._carriers = by_identifier(carriers)
         self._tables = tables = build_tables(carriers)
         tables.messages[:, PROTECTED] = np.minimum(tables.messages[:, PROTECTED], CHECKS[protection])
@@ -208,6 +235,7 @@ class Receiver:
         tables.messages[:, LAST_COUNTER:] = 0
         tables.messages[:, LAST_COUNTER] = -1
         tables.messages[:, LAST_TICK] = -NEVER_TICKS
+        tables.messages[:, EXPECTED] = 0 if self._notes_lateness else -1
         self._groups[0, 0] = 0
         for carrier, row in zip(self._carriers, tables.messages, strict=True):
             data = np.zeros(64, np.uint8)

@@ -260,8 +260,10 @@ def _note_lateness(counter: int, tick: int, message: NDArray[np.int64]) -> None:
 
     Frames that are held up on their way keep their counters in order, and each is new: only its time tells. After long
     silence the counter tells that much only if it goes on where it was; else the sender may have begun anew. What stays
-    late becomes the normal case within thousands of frames.
+    late becomes the normal case within thousands of frames. A negative ``EXPECTED`` switches this off.
     """
+    if message[EXPECTED] < 0:
+        return
     period, now = message[PERIOD], 1000 * tick
     step = int(counter - message[LAST_COUNTER]) & 15
     silence = tick - message[LAST_TICK]

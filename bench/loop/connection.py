@@ -38,6 +38,11 @@ def check_combination(scenario: ScenarioFile) -> None:
             "lock-step with an external ECU: it has its own clock and cannot follow virtual time",
             mend="use --realtime, or --ecu emulated",
         )
+    if scenario.sensor_cluster.kind == "external" and lockstep:
+        raise InputError(
+            "lock-step with an external sensor cluster: it has its own clock and cannot follow virtual time",
+            mend="use --realtime, or --set sensor_cluster.kind=simulated",
+        )
     if lockstep and (link or "").partition(":")[0] == "slcan":
         raise _own_time(f"link {link}")
     if link == "virtual" and kind in ("emulated", "external"):

@@ -17,6 +17,7 @@ from bench.loop.parameters import accessors
 from bench.loop.scenario_stimuli import build_stimuli
 from bench.loop.stimuli import Stimuli
 from bench.loop.tick import Recorder, Tick
+from bench.scenario.cluster_choice import CLUSTER_PARAMETERS
 from bench.scenario.estimator_names import kind_of
 from bench.scenario.schema import ScenarioFile
 from bench.scenario.vehicle_choice import nominal_vehicle, vehicle_as_driven
@@ -32,6 +33,7 @@ from vehicle_model.vehicle_file import VehicleFile, parameter_table
 
 if TYPE_CHECKING:
     from bench.injection.in_run import InjectorInRun
+    from bench.sensor_cluster.in_run import SensorCluster
 
 TICKS_PER_SECOND = 1000
 WATCH_TICKS = 100
@@ -76,6 +78,7 @@ class Parts:
     from_ecu: Receiver
     estimators: list[NamedEstimator] = field(default_factory=list)
     injector: "InjectorInRun | None" = None
+    sensor_cluster: "SensorCluster | None" = None
 
     @property
     def ticks(self) -> int:
@@ -110,6 +113,8 @@ def build_parts(scenario: ScenarioFile) -> Parts:
     )
     powertrain = Powertrain(vehicle)
     sensors = Sensors(vehicle, scenario.seed)
+    transmitter = codec.transmitter("bench", sensed)
+    cluster = _sensor_cluster(scenario, sensed, transmitter)
     stimuli = Stimuli(vector, sensed, [], {})
     if scenario.stimuli:  # a table of every parameter costs as much as half of the other parts together
         table = [*parameter_table(vehicle), *road_parameter_table(road)]
@@ -117,8 +122,8 @@ def build_parts(scenario: ScenarioFile) -> Parts:
             scenario.stimuli,
             vector,
             sensed,
-            accessors([plant, hydraulic_unit, powertrain, manoeuvre, sensors]),
-            {info.path: info.unit for info in table},
+            accessors([plant, hydraulic_unit, powertrain, manoeuvre, sensors, *([cluster] if cluster else [])]),
+            {info.path: info.unit for info in [*table, *CLUSTER_PARAMETERS]},
             manoeuvre.phase_names,
             scenario.seed,
         )
@@ -134,14 +139,31 @@ def build_parts(scenario: ScenarioFile) -> Parts:
         sensors=sensors,
         stimuli=stimuli,
         codec=codec,
-        transmitter=codec.transmitter("bench", sensed),
-        tap=codec.receiver("ecu", vector.block("bus"), vector.block("bus_age"), protection=scenario.ecu.protection),
+        transmitter=transmitter,
+        tap=codec.receiver(
+            "ecu",
+            vector.block("bus"),
+            vector.block("bus_age"),
+            protection=scenario.ecu.protection,
+            notes_lateness=scenario.sensor_cluster.kind != "external",
+        ),
         from_ecu=codec.receiver(
             "bench", vector.block("bus"), vector.block("bus_age"), protection=scenario.ecu.protection
         ),
         estimators=estimators,
         injector=_injector(scenario, codec, vector, manoeuvre.phase_names),
+        sensor_cluster=cluster,
     )
+
+
+def _sensor_cluster(
+    scenario: ScenarioFile, sensed: NDArray[np.float64], transmitter: Transmitter
+) -> "SensorCluster | None":
+    if scenario.sensor_cluster.kind == "none":
+        return None
+    from bench.sensor_cluster.in_run import sensor_cluster
+
+    return sensor_cluster(scenario.sensor_cluster, sensed, transmitter, scenario.seed)
 
 
 def _estimators(scenario: ScenarioFile) -> list[NamedEstimator]:
@@ -226,6 +248,7 @@ class Session:
             estimators=[EstimatorSlot(named, parts.vector) for named in parts.estimators],
             recorder=recorder,
             injector=parts.injector,
+            sensor_cluster=parts.sensor_cluster,
         )
 
     def run(self, recorder: Recorder, pacer: Pacer, rehearse: Callable[[], None] | None = None) -> None:
@@ -241,6 +264,17 @@ class Session:
         RunError
             If the ECU that the scenario wants alive is lost, or the recording fails.
         """
+        cluster = self.parts.sensor_cluster
+        if cluster is None:
+            self._run(recorder, pacer, rehearse)
+            return
+        try:
+            cluster.start()
+            self._run(recorder, pacer, rehearse)
+        finally:
+            cluster.stop()
+
+    def _run(self, recorder: Recorder, pacer: Pacer, rehearse: Callable[[], None] | None) -> None:
         tick = self.put_together(recorder)
         values = self.parts.vector.values
         lateness, cpu_time = self.parts.vector.index("lateness"), self.parts.vector.index("tick_cpu_time")
@@ -282,4 +316,6 @@ def timing_extras(parts: Parts) -> dict[str, Any]:
     }
     if parts.injector is not None:
         extras["injector"] = parts.injector.summary()
+    if parts.sensor_cluster is not None:
+        extras["sensor_cluster"] = parts.sensor_cluster.summary()
     return extras

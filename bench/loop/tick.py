@@ -23,6 +23,7 @@ from vehicle_model.sensors import Sensors
 
 if TYPE_CHECKING:
     from bench.injection.in_run import InjectorInRun
+    from bench.sensor_cluster.in_run import SensorCluster
 
 TICK_S = 1e-3
 MAX_FRAMES_PER_TICK = 4096
@@ -81,6 +82,7 @@ class Tick:
         estimators: Sequence[EstimatorSlot],
         recorder: Recorder,
         injector: "InjectorInRun | None" = None,
+        sensor_cluster: "SensorCluster | None" = None,
     ) -> None:
         self.vector = vector
         self._values = vector.values
@@ -98,6 +100,7 @@ class Tick:
         self._estimators = tuple(estimators)
         self._recorder = recorder
         self._injector = injector
+        self._sensor_cluster = sensor_cluster
         self._received = np.zeros(MAX_FRAMES_PER_TICK, FRAME_DTYPE)
         self._due = np.zeros(64, FRAME_DTYPE)
         self._bus_load = BusLoad()
@@ -173,12 +176,17 @@ class Tick:
 
         self._sensors.tick(values, time_s, self._sensed)
         stimuli.override_sensed()
+        cluster = self._sensor_cluster
+        if cluster is not None:
+            cluster.tick(tick)
 
         due = self._transmitter.due(tick, self._due)
         passed, passed_count = (self._due, due) if injector is None else injector.to_ecu(self._due, due, tick)
         if passed_count:
             self._ecu_side.send(tick, passed, passed_count)
         self._tap.accept(passed, passed_count, tick)
+        if cluster is not None and cluster.hears_the_bus:
+            self._tap.accept(self._received, received, tick)
 
         for estimator in self._estimators:
             estimator.tick()

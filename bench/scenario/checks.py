@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bench.scenario.cluster_choice import CLUSTER_PARAMETERS
 from bench.scenario.estimator_names import estimator_units, kind_of
 from bench.scenario.stimulus_file import StimulusEntry, read_table
 from bench.scenario.vehicle_choice import flat, load_tyres
@@ -92,6 +93,8 @@ def check_car(scenario: "ScenarioFile", context: Context) -> None:
             context.add_error(("tyres",), error)
     context.parameters = {info.path: info for info in parameter_table(vehicle)}
     context.parameters |= {info.path: info for info in road_parameter_table(scenario.road)}
+    if scenario.sensor_cluster.kind != "none":
+        context.parameters |= {info.path: info for info in CLUSTER_PARAMETERS}
 
 
 def check_road(scenario: "ScenarioFile", context: Context) -> None:

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from bench.codec.mapping_file import Protection
+from bench.scenario.cluster_choice import SensorClusterChoice
 from bench.scenario.stimulus_file import StimulusEntry
 from bench.scenario.variants import Variants
 from bench.verdict.criteria_file import Criterion, ValidIfList
@@ -148,6 +149,9 @@ class ScenarioFile(FileModel):
     )
     sensors: dict[str, Any] = Field(
         default={}, description="sensor errors, laid over the section of the same name in the vehicle file"
+    )
+    sensor_cluster: SensorClusterChoice = Field(
+        default_factory=SensorClusterChoice, description="what stands between the inertial sensors and their frames"
     )
     acceleration_source: AccelerationSource | None = Field(
         default=None,

@@ -137,7 +137,7 @@ def ages_of_wheel_speeds(arrivals: list[int], dropped: tuple[int, ...] = ()) -> 
     """Age [s] of the wheel speeds at the arrival of each pair of frames 0x120 and 0x121, sent every 5 ms."""
     transmitter = CODEC.transmitter("bench", np.zeros(len(BUS_NAMES)))
     ages = np.zeros(len(AGE_NAMES))
-    receiver = CODEC.receiver("ecu", np.zeros(len(BUS_NAMES)), ages)
+    receiver = CODEC.receiver("ecu", np.zeros(len(BUS_NAMES)), ages, notes_lateness=True)
     sent, found = [], []
     for tick in range(5 * len(arrivals)):
         frames = new_frames(64)

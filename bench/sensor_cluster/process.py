@@ -1,0 +1,75 @@
+"""``bench cluster``: the twin of the cluster's microcontroller as a process of its own.
+
+SPI master over a serial line on one side, the frames of the inertial signals on a CAN link on the other.
+"""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from bench.codec.codec import Codec
+from bench.links.frame import new_frames
+from bench.links.interface import Link
+from bench.sensor_cluster.microcontroller import REQUESTS, Microcontroller, Plausibility
+from bench.sensor_cluster.sensor_block import CHANNELS, SILENT_LINE
+from bench.sensor_cluster.words import WORD_BYTES
+from signals.catalogue import block_slice, index_of
+from signals.errors import LinkError
+
+TICK_S = 1e-3
+MOST_FRAMES = 64
+
+
+def run_microcontroller(link: Link, device: str, baud_rate: int, ended: Callable[[], int]) -> dict[str, int]:
+    """Read the sensor block each millisecond and send what is plausible until ``ended``; counts of the checks.
+
+    Raises
+    ------
+    LinkError
+        If the serial line cannot be opened.
+    """
+    import serial
+
+    bus = block_slice("bus")
+    values = np.zeros(bus.stop - bus.start)
+    positions = np.array([index_of(name) - bus.start for name in CHANNELS])
+    transmitter = Codec.load().transmitter("bench", values)
+    own = transmitter.rows_of(CHANNELS)
+    others = transmitter.rows_of_all_but(own)
+    twin = Microcontroller(Plausibility())
+    question = b"".join(int(word).to_bytes(WORD_BYTES, "big") for word in REQUESTS)
+    answers = np.zeros(len(REQUESTS), np.int64)
+    frames, heard = new_frames(MOST_FRAMES), new_frames(4096)
+    try:
+        port = serial.Serial(device, baud_rate, timeout=0.01)
+    except (OSError, ValueError) as error:
+        raise LinkError(
+            f"{device}: {error}", mend="name the serial line of the SPI adapter: --spi /dev/ttyUSB0"
+        ) from error
+    with port:
+        start, tick = time.perf_counter(), 0
+        while not ended():
+            ahead = start + tick * TICK_S - time.perf_counter()
+            if ahead > 0:
+                time.sleep(ahead)
+            port.write(question)
+            reply = port.read(len(question))
+            if len(reply) == len(question):
+                answers[:] = [
+                    int.from_bytes(reply[k : k + WORD_BYTES], "big") for k in range(0, len(reply), WORD_BYTES)
+                ]
+            else:
+                port.reset_input_buffer()
+                answers[:] = SILENT_LINE
+            valid = twin.take(answers)
+            values[positions] = twin.values
+            transmitter.postpone(others, tick)
+            if not valid:
+                transmitter.postpone(own, tick)
+            count = transmitter.due(tick, frames)
+            if count:
+                link.send(frames, count)
+            link.receive(heard)
+            tick = max(tick + 1, int((time.perf_counter() - start) / TICK_S))
+    return twin.counts()

@@ -1,0 +1,136 @@
+"""The sensor cluster between the vehicle model and the CAN: simulated microcontroller, and a real one on the SPI line.
+
+Friction document 1.3, 1.7, 5.3; the real microcontroller is played by its twin, a process of its own on a serial line.
+"""
+
+import os
+import pty
+import secrets
+import subprocess
+import sys
+import threading
+import time
+import tty
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import bench
+from bench.links.frame import TRANSMITTED
+from bench.scenario.resolution import resolve
+
+STOP = Path(__file__).parents[1] / "bench" / "whole_runs" / "short_stop.yaml"
+LOCKSTEP = {"pacing": "lockstep", "ecu.kind": "inprocess", "estimators": {"friction_ekf": {}}}
+INERTIAL = 0x130
+
+
+def in_process(**changes: Any) -> bench.Run:
+    return bench.run(resolve(STOP, {**LOCKSTEP, **changes}), record=False)
+
+
+@pytest.mark.acceptance("F-11", "F-12")
+def test_simulated_microcontroller_delays_by_its_filter_only(record: Callable[..., None]) -> None:
+    """What it takes off a change is its time constant (3.98 ms at 40 Hz) times the change, by the filter's equation."""
+    plain = in_process(**{"ecu.kind": "none"}).data
+    filtered = in_process(
+        **{"ecu.kind": "none", "sensor_cluster.kind": "simulated", "sensor_cluster.plausibility.cutoff_hz": 40.0}
+    ).data
+    before, after = plain.array("longitudinal_acceleration"), filtered.array("longitudinal_acceleration")
+    begin, end = slice(50, 100), slice(950, 1050)  # before the brake, and under steady braking
+    change = before[end].mean() - before[begin].mean()
+    lag = float((before - after)[75:1000].sum() * 1e-3 / change)
+    record("delay of the acceleration on the bus, ms", 1e3 * lag, "3.98 ± 1")
+    assert lag == pytest.approx(3.98e-3, abs=1e-3)
+
+
+@pytest.mark.acceptance("F-11", "F-12")
+def test_supply_cut_by_the_relay_silences_the_cluster(record: Callable[..., None]) -> None:
+    """No frame from 5 ms (five bad samples) after the cut until start-up (10 ms) and check (20 ms) are over."""
+    relay = {"name": "relay", "target": "sensor_cluster.supply", "step": 0, "when": {"time": 0.5}, "duration": 0.2}
+    run = in_process(**{"sensor_cluster.kind": "simulated", "stimuli": [relay]})
+    sent = run.frames["tick"][(run.frames["identifier"] == INERTIAL) & ((run.frames["flags"] & TRANSMITTED) != 0)]
+    silent = sent[(sent >= 500) & (sent <= 760)]
+    gap = np.diff(silent).max()
+    record("frames missing for, ms", float(gap), "200 + 10 + 20, and a cycle of 5")
+    assert 215 <= gap <= 240
+    assert run.data.array("friction_ekf.input_state").max() == 2
+    assert run.verdict.timing["sensor_cluster"]["line_errors"] >= 200
+
+
+@pytest.mark.acceptance("F-12")
+def test_a_line_with_bit_errors_costs_samples_and_no_wrong_value(record: Callable[..., None]) -> None:
+    clean = in_process(**{"sensor_cluster.kind": "simulated", "ecu.kind": "none"}).data
+    errors = {"name": "line", "target": "sensor_cluster.bit_error_rate", "step": 2e-4}
+    run = in_process(**{"sensor_cluster.kind": "simulated", "ecu.kind": "none", "stimuli": [errors]})
+    difference = np.abs(run.data.array("yaw_rate") - clean.array("yaw_rate")).max()
+    seen = run.verdict.timing["sensor_cluster"]["line_errors"]
+    expected = len(clean.array("time")) * 6 * 32 * 2e-4
+    record("broken words", float(seen), f"{expected:.0f} ± 4 sigma")
+    assert seen == pytest.approx(expected, abs=4 * expected**0.5)
+    assert difference < 0.02
+
+
+class Adapter:
+    """Two pseudo-terminals as the two ends of a serial line."""
+
+    def __init__(self) -> None:
+        self._pairs = [pty.openpty(), pty.openpty()]
+        for _, device in self._pairs:
+            tty.setraw(device)
+        self.ends = [os.ttyname(device) for _, device in self._pairs]
+        for here, there in ((0, 1), (1, 0)):
+            ends = (self._pairs[here][0], self._pairs[there][0])
+            threading.Thread(target=self._copy, args=ends, daemon=True).start()
+
+    @staticmethod
+    def _copy(source: int, target: int) -> None:
+        try:
+            while data := os.read(source, 4096):
+                os.write(target, data)
+        except OSError:  # closed at the end of the test
+            return
+
+
+@pytest.fixture
+def microcontroller() -> Iterator[tuple[str, str]]:
+    """Serial line to, and CAN link of, a microcontroller in another process."""
+    adapter = Adapter()
+    link = f"udp:239.192.{secrets.randbelow(256)}.{1 + secrets.randbelow(250)}:{20000 + secrets.randbelow(20000)}"
+    command = [sys.executable, "-m", "bench.cli", "cluster", "--spi", adapter.ends[1], "--link", link]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    try:
+        yield adapter.ends[0], link
+    finally:
+        process.terminate()
+        process.wait(20)
+
+
+@pytest.mark.acceptance("F-11", "F-12")
+def test_microcontroller_of_its_own_reads_the_bench_s_sensor_block(
+    microcontroller: tuple[str, str], record: Callable[..., None]
+) -> None:
+    """Real time, three processes: its frames reach estimator and ECU; the bench sends no inertial frames itself."""
+    device, link = microcontroller
+    time.sleep(1.0)
+    changes = {
+        "pacing": "realtime",
+        "ecu.kind": "emulated",
+        "ecu.link": link,
+        "sensor_cluster.kind": "external",
+        "sensor_cluster.device": device,
+        "estimators": {"friction_ekf": {}},
+    }
+    run = bench.run(resolve(STOP, changes), record=False)
+    inertial = run.frames[run.frames["identifier"] == INERTIAL]
+    assert len(inertial) > 0.8 * len(run.data) / 5
+    assert not (inertial["flags"] & TRANSMITTED).any()
+    braking = run.data.array("speed") < 0.9 * run.data.array("speed").max()
+    seen = run.data.array("longitudinal_acceleration")[braking]
+    true = run.data.array("true_longitudinal_acceleration")[braking]
+    record("mean deceleration over SPI and CAN, m/s²", float(-seen.mean()), f"{-true.mean():.2f} ± 0.5, true")
+    assert seen.mean() == pytest.approx(true.mean(), abs=0.5)
+    assert run.data.array("friction_ekf.active").max() == 1
+    assert run.verdict.timing["sensor_cluster"]["answered"] > 1000
