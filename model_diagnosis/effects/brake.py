@@ -151,7 +151,19 @@ BRAKE_EFFECTS: tuple[Effect, ...] = (
     _brake(
         "caliper_lag",
         "tau dT/dt + T = k p",
-        (_absolute("time_constant", "s", 0.0, 0.12, 0.002, 0.025),),
+        (
+            EffectParameter(
+                "time_constant",
+                "s",
+                -0.1,
+                0.12,
+                0.002,
+                0.025,
+                "brakes.caliper_time_constant",
+                relative=False,
+                never_negative=True,
+            ),
+        ),
         ("tyre_relaxation_length", "wheel_speed_delay", "pressure_sensor_lag", "brake_hysteresis"),
         "pressure pulses at two speeds",
         _LUMPED,

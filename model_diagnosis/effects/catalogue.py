@@ -10,6 +10,7 @@ from model_diagnosis.effects.clock import CLOCK_EFFECTS
 from model_diagnosis.effects.controller import CONTROLLER_EFFECTS
 from model_diagnosis.effects.driveline import DRIVELINE_EFFECTS
 from model_diagnosis.effects.effect import Effect
+from model_diagnosis.effects.hydraulics import HYDRAULICS_EFFECTS
 from model_diagnosis.effects.road import ROAD_EFFECTS
 from model_diagnosis.effects.sensors import SENSOR_EFFECTS
 from model_diagnosis.effects.steering import STEERING_EFFECTS
@@ -20,6 +21,7 @@ from signals.errors import unknown_name
 EFFECTS: tuple[Effect, ...] = (
     *TYRE_EFFECTS,
     *BRAKE_EFFECTS,
+    *HYDRAULICS_EFFECTS,
     *SUSPENSION_EFFECTS,
     *BODY_EFFECTS,
     *AERODYNAMICS_EFFECTS,

@@ -25,8 +25,8 @@ def _effective_pressure(p: Record, s: Record, i: int, pressure: float) -> float:
         s.clamping[i] = held
         pressure = held
     effective = max(pressure - p.threshold_pressure[i], 0.0)
-    if p.pad_pressure_exponent != 1.0 and effective > 0.0:
-        effective *= (effective / _REFERENCE_PRESSURE_PA) ** (p.pad_pressure_exponent - 1.0)
+    if p.pad_pressure_exponent[i] != 1.0 and effective > 0.0:
+        effective *= (effective / _REFERENCE_PRESSURE_PA) ** (p.pad_pressure_exponent[i] - 1.0)
     return effective
 
 
@@ -37,9 +37,9 @@ def _friction_share(p: Record, s: Record, i: int, omega: float) -> float:
     over = s.disc_temperature[i] - p.fade_temperature[i]
     if p.fade[i] != 0.0 and over > 0.0:
         share *= max(1.0 - p.fade[i] * over, p.fade_floor[i])
-    if p.pad_speed_exponent != 0.0:
+    if p.pad_speed_exponent[i] != 0.0:
         speed = max(omega * p.effective_radius[i], _SLOWEST_M_S)
-        share *= (speed / _REFERENCE_SPEED_M_S) ** p.pad_speed_exponent
+        share *= (speed / _REFERENCE_SPEED_M_S) ** p.pad_speed_exponent[i]
     if p.in_stop_rise != 0.0:
         share *= 1.0 + p.in_stop_rise * s.stop_energy / p.stop_energy
     sine, cosine = p.thickness_variation_sine[i], p.thickness_variation_cosine[i]

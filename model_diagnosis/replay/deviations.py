@@ -186,7 +186,12 @@ def _ratio(entry: np.void, deviation: float) -> None:
     entry["steering_scale"] /= 1.0 + deviation
 
 
-_CHANGES: Mapping[str, tuple[_Change, ...]] = {**_tyre_changes(), **_brake_changes(), **_chassis_changes(), **_form_changes()}
+_CHANGES: Mapping[str, tuple[_Change, ...]] = {
+    **_tyre_changes(),
+    **_brake_changes(),
+    **_chassis_changes(),
+    **_form_changes(),
+}
 _LAWS: Mapping[str, Callable[[np.void, float], None]] = {
     "anti_dive_anti_lift.front": _support(FRONT),
     "anti_dive_anti_lift.rear": _support(REAR),

@@ -6,7 +6,7 @@ replay.residuals(theta)[0]        # (n, c) measured minus predicted of the first
 """
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,17 +16,20 @@ from numpy.typing import NDArray
 
 from model_diagnosis.effects.catalogue import EFFECTS
 from model_diagnosis.effects.effect import Application, Effect, EffectParameter
-from model_diagnosis.effects.sensor_chain import measured_signals, ring_carriers, sensor_columns, true_inputs
+from model_diagnosis.effects.sensor_chain import measured_signals, sensor_columns, true_inputs
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.derived import derive
 from model_diagnosis.replay.deviations import change_record
-from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of
+from model_diagnosis.replay.hydraulic import GAIN as PRESSURE_GAIN
+from model_diagnosis.replay.hydraulic import HYDRAULIC_COLUMNS, HydraulicReplay, acts_on_pressures, reported_pressure
+from model_diagnosis.replay.inputs import SLOWEST_M_S, read_inputs, reference_speed
 from model_diagnosis.replay.nominal import NominalCar, nominal_car
 from model_diagnosis.replay.parameters import adjusted_parameter, nominal_value, values_of
-from model_diagnosis.replay.record import CORRECTED, OUTPUTS
+from model_diagnosis.replay.prepared import PRESSURES, Prepared, prepare
+from model_diagnosis.replay.record import OUTPUTS
 from model_diagnosis.replay.sensors import own_noise
 from model_diagnosis.replay.sweep import replay_cars
-from signals.errors import InputError, unknown_name
+from signals.errors import unknown_name
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -34,25 +37,6 @@ FloatArray = NDArray[np.float64]
 
 GAINS = np.array([0.3, 0.05, 0.1, 0.05])
 """Gains of the observer per 10 ms: wheel speeds, speed, yaw rate, and speed by the wheels where it is not measured."""
-
-COMPARED = (
-    *(f"wheel_speed_{wheel}" for wheel in WHEELS),
-    "longitudinal_acceleration",
-    "lateral_acceleration",
-    "yaw_rate",
-    "speed",
-    "lateral_speed",
-    "side_slip_angle",
-    "roll_rate",
-    "pitch_rate",
-    "roll_angle",
-    "pitch_angle",
-    *(f"vertical_load_{wheel}" for wheel in WHEELS),
-    *(f"longitudinal_force_{wheel}" for wheel in WHEELS),
-    *(f"lateral_force_{wheel}" for wheel in WHEELS),
-    *(f"suspension_travel_{wheel}" for wheel in WHEELS),
-)
-"""Signals that the replay can be compared on, where they were measured."""
 
 _STATES = (
     "speed",
@@ -76,8 +60,6 @@ _STATES = (
         for wheel in WHEELS
     ),
 )
-_LONGITUDINAL = ("longitudinal_acceleration", "speed")
-_LATERAL = ("lateral_acceleration", "yaw_rate", "lateral_speed", "side_slip_angle", "roll_rate", "roll_angle")
 _STEP_SHARE = 0.05
 """Step of a finite difference over the effect's width."""
 
@@ -87,19 +69,13 @@ _OBSERVED_SENSORS = ("gyro_offset", "gyro_scale", "tone_ring_error")
 
 
 @dataclass(frozen=True)
-class _Prepared:
-    """What stays the same of one manoeuvre for every theta."""
+class _Parts:
+    """What a set of deviations makes of a manoeuvre, in two parts that most deviations do not share."""
 
-    manoeuvre: Manoeuvre
-    signals: tuple[str, ...]
-    chosen: NDArray[np.int64]
-    measured: FloatArray
-    weights: FloatArray
-    corrected: FloatArray
-    valid: FloatArray
-    start: FloatArray
-    inputs: Inputs
-    carriers: FloatArray | None
+    car_key: tuple[tuple[str, float], ...]
+    car: FloatArray
+    pressure_key: tuple[tuple[str, float], ...]
+    pressures: FloatArray | None
 
 
 class Replay:
@@ -152,7 +128,8 @@ class Replay:
         self._place = {column: index for index, column in enumerate(self.columns)}
         self._threads = threads or os.cpu_count() or 1
         self._car: NominalCar = nominal_car(vehicle)
-        self._prepared = [self._prepare(manoeuvre) for manoeuvre in self.manoeuvres]
+        self._hydraulics = HydraulicReplay(vehicle)
+        self._prepared = [prepare(manoeuvre, vehicle) for manoeuvre in self.manoeuvres]
 
     @property
     def tyre_error(self) -> tuple[float, float]:
@@ -196,7 +173,9 @@ class Replay:
         """States of the observer replay over which residuals are looked at, name -> (n,): speed, slips, loads, …"""
         prepared = self._prepared[m]
         chosen = np.array([OUTPUTS.index(name) for name in _STATES])
-        values = self._true(self._deviations(theta), prepared, GAINS, 0, chosen)
+        deviations = self._deviations(theta)
+        pressures = self._pressures(deviations, prepared)
+        values = self._car_run(deviations, prepared, pressures, GAINS, 0, chosen)
         return {name: values[:, k] for k, name in enumerate(_STATES)}
 
     def residuals(self, theta: FloatArray) -> list[FloatArray]:
@@ -262,56 +241,32 @@ class Replay:
     def _deviations(self, theta: FloatArray) -> dict[str, float]:
         return {self.columns[int(k)]: float(theta[k]) for k in np.flatnonzero(theta)}
 
-    def _prepare(self, manoeuvre: Manoeuvre) -> _Prepared:
-        channels = manoeuvre.channels
-        wheels = [f"wheel_speed_{wheel}" for wheel in WHEELS]
-        if "speed" not in channels and not all(name in channels for name in wheels):
-            raise InputError(
-                f"{manoeuvre.source}: no speed",
-                found=", ".join(sorted(channels)) or "no channels",
-                allowed="all four wheel speeds, or speed",
-                mend="map them in the channel map",
-            )
-        inputs = read_inputs(manoeuvre, channels, self.vehicle)
-        signals = tuple(name for name in COMPARED if name in channels and manoeuvre.weight(name).any())
-        measured = np.stack([channels[name] for name in signals], axis=1)
-        corrected = np.zeros((manoeuvre.samples, len(CORRECTED)))
-        valid = np.zeros_like(corrected)
-        for k, name in enumerate(CORRECTED):
-            if name in channels:
-                corrected[:, k], valid[:, k] = channels[name], manoeuvre.weight(name) > 0.0
-        ringed = all(name in channels for name in wheels)
-        return _Prepared(
-            manoeuvre=manoeuvre,
-            signals=signals,
-            chosen=np.array([OUTPUTS.index(name) for name in signals], dtype=np.int64),
-            measured=measured,
-            weights=self._weights(manoeuvre, signals, inputs),
-            corrected=corrected,
-            valid=valid,
-            start=start_of(manoeuvre, self.vehicle),
-            inputs=inputs,
-            carriers=ring_carriers(manoeuvre.time, corrected[:, :4]) if ringed else None,
-        )
+    def _pressures(
+        self, deviations: Mapping[str, float], prepared: Prepared, *, free: bool = False
+    ) -> FloatArray | None:
+        """True wheel pressures (n, 4) by the hydraulic unit; None where the log tells nothing of it."""
+        log = prepared.hydraulics
+        if log is None or (prepared.pressure_known and not prepared.replays_pressures):
+            return None
+        measured = np.zeros((prepared.manoeuvre.samples, 4))
+        if prepared.pressure_known:
+            measured = np.ascontiguousarray(self._inputs(deviations, prepared, None)[:, :4])
+        gain = 0.0 if free else PRESSURE_GAIN
+        return self._hydraulics.wheels(deviations, log, measured, prepared.pressure_valid, gain)
 
-    def _weights(self, manoeuvre: Manoeuvre, signals: tuple[str, ...], inputs: Inputs) -> FloatArray:
-        moving = reference_speed(manoeuvre, self.vehicle) >= SLOWEST_M_S
-        weights = np.stack([manoeuvre.weight(name) for name in signals], axis=1) * moving[:, None]
-        for k, name in enumerate(signals):
-            if name in _LONGITUDINAL:
-                weights[inputs.inferred, k] = 0.0
-            if name in _LATERAL and not inputs.steered:
-                weights[:, k] = 0.0
-        return weights
-
-    def _inputs(self, deviations: Mapping[str, float], prepared: _Prepared) -> FloatArray:
-        if not any(column.startswith("pressure_sensor_") for column in deviations):
-            return prepared.inputs.values
+    def _inputs(self, deviations: Mapping[str, float], prepared: Prepared, pressures: FloatArray | None) -> FloatArray:
+        """Inputs of the car: measured pressures freed of their sensors' effects, or those of the hydraulic unit."""
         manoeuvre = prepared.manoeuvre
-        channels = true_inputs(deviations, manoeuvre.time, manoeuvre.channels)
+        if prepared.pressure_known or pressures is None:
+            if not any(column.startswith("pressure_sensor_") for column in deviations):
+                return prepared.inputs.values
+            channels = true_inputs(deviations, manoeuvre.time, manoeuvre.channels)
+            return read_inputs(manoeuvre, channels, self.vehicle).values
+        channels = dict(manoeuvre.channels)
+        channels |= {name: pressures[:, k] for k, name in enumerate(PRESSURES)}
         return read_inputs(manoeuvre, channels, self.vehicle).values
 
-    def _corrected(self, deviations: Mapping[str, float], prepared: _Prepared) -> FloatArray:
+    def _corrected(self, deviations: Mapping[str, float], prepared: Prepared) -> FloatArray:
         """Signals that the observer corrects on, freed of what the sensors' effects put on them."""
         offset = deviations.get("gyro_offset.yaw_rate", 0.0)
         scale = deviations.get("gyro_scale.yaw_rate", 0.0)
@@ -324,28 +279,61 @@ class Replay:
             values[:, :4] /= 1.0 + np.array(rings) * prepared.carriers
         return values
 
-    def _true(
+    def _car_run(
         self,
         deviations: Mapping[str, float],
-        prepared: _Prepared,
+        prepared: Prepared,
+        pressures: FloatArray | None,
         gains: FloatArray,
         horizon: int,
         chosen: NDArray[np.int64],
     ) -> FloatArray:
-        """Signals before the sensors, (n, len(chosen))."""
+        """Outputs of the car before the sensors, (n, len(chosen))."""
         cars = self._car.record.copy()
         change_record(cars, deviations)
         derive(cars)
-        inputs, corrected = self._inputs(deviations, prepared), self._corrected(deviations, prepared)
+        inputs, corrected = self._inputs(deviations, prepared, pressures), self._corrected(deviations, prepared)
         out = np.empty((1, prepared.manoeuvre.samples, len(chosen)))
         fixed = (self._car.tables, inputs, corrected, prepared.valid, prepared.start)
         replay_cars(cars, 0, 1, *fixed, gains, horizon, SAMPLE_TIME_S, chosen, out)
         return out[0]
 
+    def _parts(
+        self,
+        deviations: Mapping[str, float],
+        prepared: Prepared,
+        gains: FloatArray = GAINS,
+        horizon: int = 0,
+        base: _Parts | None = None,
+    ) -> _Parts:
+        """Both parts of a prediction; those that the deviations leave as in ``base`` are taken from it."""
+        pressure_key = _selected(deviations, acts_on_pressures)
+        by_pressure = not prepared.pressure_known and prepared.hydraulics is not None
+        car_key = _selected(deviations, lambda column: by_pressure or column not in HYDRAULIC_COLUMNS)
+        if base is not None and base.pressure_key == pressure_key:
+            pressures = base.pressures
+        else:
+            pressures = self._pressures(deviations, prepared, free=gains is not GAINS)
+        if base is not None and base.car_key == car_key:
+            car = base.car
+        else:
+            car = self._car_run(deviations, prepared, pressures, gains, horizon, prepared.chosen)
+        return _Parts(car_key, car, pressure_key, pressures)
+
+    def _reported(self, deviations: Mapping[str, float], prepared: Prepared, parts: _Parts) -> FloatArray:
+        """What the sensors report (n, c)."""
+        count = len(prepared.chosen)
+        moving = measured_signals(deviations, prepared.signals[:count], parts.car, prepared.carriers)
+        columns = [moving]
+        if prepared.replays_pressures and parts.pressures is not None:
+            columns.append(reported_pressure(deviations, parts.pressures))
+        if prepared.replays_master and prepared.hydraulics is not None:
+            columns.append(self._hydraulics.master(deviations, prepared.hydraulics)[:, None])
+        return np.concatenate(columns, axis=1)
+
     def _run(self, theta: FloatArray, m: int, gains: FloatArray, horizon: int) -> FloatArray:
         prepared, deviations = self._prepared[m], self._deviations(theta)
-        true = self._true(deviations, prepared, gains, horizon, prepared.chosen)
-        return measured_signals(deviations, prepared.signals, true, prepared.carriers)
+        return self._reported(deviations, prepared, self._parts(deviations, prepared, gains, horizon))
 
     def _step_of(self, theta: FloatArray, column: int) -> float:
         parameter = self.parameters[column]
@@ -353,26 +341,30 @@ class Replay:
         return step if theta[column] + step <= parameter.high else -step
 
     def _sweep(
-        self, theta: FloatArray, prepared: _Prepared, columns: Sequence[int], pool: ThreadPoolExecutor
+        self, theta: FloatArray, prepared: Prepared, columns: Sequence[int], pool: ThreadPoolExecutor
     ) -> FloatArray:
         """Derivatives (n, c, len(columns)) of one manoeuvre."""
         deviations = self._deviations(theta)
-        base_true = self._true(deviations, prepared, GAINS, 0, prepared.chosen)
-        base = measured_signals(deviations, prepared.signals, base_true, prepared.carriers)
-        analytic = sensor_columns(deviations, prepared.signals, base_true, prepared.carriers)
-        result = np.zeros((*base.shape, len(columns)))
+        base = self._parts(deviations, prepared)
+        reported, count = self._reported(deviations, prepared, base), len(prepared.chosen)
+        analytic = sensor_columns(deviations, prepared.signals[:count], base.car, prepared.carriers)
+        result = np.zeros((*reported.shape, len(columns)))
 
-        def derive(place: int) -> None:
+        def derive_column(place: int) -> None:
             column = columns[place]
             name = self.columns[column]
             if name in analytic and not name.startswith(_OBSERVED_SENSORS):
-                result[:, :, place] = analytic[name]
+                result[:, :count, place] = analytic[name]
                 return
             step = self._step_of(theta, column)
             changed = {**deviations, name: float(theta[column]) + step}
-            true = self._true(changed, prepared, GAINS, 0, prepared.chosen)
-            moved = measured_signals(changed, prepared.signals, true, prepared.carriers)
-            result[:, :, place] = (moved - base) / step
+            moved = self._reported(changed, prepared, self._parts(changed, prepared, base=base))
+            result[:, :, place] = (moved - reported) / step
 
-        list(pool.map(derive, range(len(columns))))
+        list(pool.map(derive_column, range(len(columns))))
         return result
+
+
+def _selected(deviations: Mapping[str, float], acts: Callable[[str], bool]) -> tuple[tuple[str, float], ...]:
+    """Deviations of the columns that act somewhere, to compare."""
+    return tuple(sorted((column, value) for column, value in deviations.items() if value != 0.0 and acts(column)))

@@ -113,3 +113,35 @@ def coast_and_drive(time: float) -> tuple[Sequence[float], float, float]:
     torque = 1500.0 if 2.0 < time < 5.0 else 0.0
     pressure = 8e5 if time > 6.0 else 0.0
     return [pressure] * 4, torque, 0.0
+
+
+def hydraulic_log(vehicle: VehicleFile, seconds: float = 4.0) -> Manoeuvre:
+    """A stop from 30 m/s through the hydraulic unit, its valves pulsed at 4 Hz, with everything that goes into it."""
+    plant, unit = Plant(vehicle, RoadFile()), HydraulicUnit(vehicle.numbers())
+    plant.reset(speed_m_s=30.0)
+    out, omega = np.zeros(18), np.zeros(4)
+    rows: dict[str, list[float]] = {}
+    for tick in range(round(seconds * 1000.0) + 1):
+        time = tick * 1e-3
+        force = 250.0 * min(max((time - 0.3) / 0.3, 0.0), 1.0)
+        phase = (time * 4.0) % 1.0 if time > 1.0 else 0.0
+        inlet = np.full(4, 1.0 if phase > 0.4 else 0.0)
+        outlet = np.full(4, 1.0 if 0.5 < phase < 0.7 else 0.0)
+        master = force * vehicle.brakes.booster_gain
+        pump = float(time > 1.0)
+        state = plant.state()
+        omega[:] = [state[f"true_wheel_speed_{wheel}"] for wheel in WHEELS]
+        unit.tick(master, inlet, outlet, pump, out, omega)
+        if tick % 10 == 0:
+            values = {channel: state[source] for channel, source in _TRUTH.items()}
+            values |= {"pedal_force": force, "master_pressure": master, "pump": pump}
+            values |= {"drive_torque_f": 0.0, "drive_torque_r": 0.0, "steering_wheel_angle": 0.0}
+            for i, wheel in enumerate(WHEELS):
+                values |= {f"valve_inlet_{wheel}": inlet[i], f"valve_outlet_{wheel}": outlet[i]}
+                values[f"brake_pressure_{wheel}"] = unit.wheel_pressure_pa[i]
+            for name, value in values.items():
+                rows.setdefault(name, []).append(float(value))
+        plant.step(1, brake_torque=out[10:14])
+    channels = {name: np.array(values) for name, values in rows.items()}
+    time = np.arange(len(channels["speed"])) * 0.01
+    return Manoeuvre("valves", time, channels, {name: np.ones(len(time)) for name in channels}, "the MuJoCo car")

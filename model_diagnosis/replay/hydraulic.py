@@ -1,0 +1,184 @@
+"""Pressures as the vehicle's booster and hydraulic unit make them from the pedal, the valves and the pump."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hydraulics.parameters import PARAMETERS
+from hydraulics.record import PARAMETER_RECORD, STEP_S, fill_record
+from hydraulics.selection_logic import LOGICS
+from model_diagnosis.effects.effect import EffectParameter
+from model_diagnosis.effects.hydraulics import HYDRAULICS_EFFECTS
+from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from model_diagnosis.replay.hydraulic_run import hydraulic_run
+from signals.wheels import WHEELS
+from vehicle_model.vehicle_file import VehicleFile
+
+FloatArray = NDArray[np.float64]
+
+GAIN = 0.15
+"""Gain of the observer on wheel pressures per 10 ms."""
+
+_KNEE_PA = 8e6
+_CORNERING_M_S2 = 4.0
+_PUMP_SAMPLES = 50
+_VALVES = ("inlet", "outlet")
+
+HYDRAULIC_COLUMNS: Mapping[str, EffectParameter] = {
+    column: parameter
+    for effect in HYDRAULICS_EFFECTS
+    for column, parameter in zip(effect.columns, effect.parameters, strict=True)
+}
+"""Columns that act before the wheel brakes."""
+
+
+def acts_on_pressures(column: str) -> bool:
+    """True for a column that changes the pressures of the wheel brakes or their sensors."""
+    return column in HYDRAULIC_COLUMNS or column.startswith("pressure_sensor_")
+
+
+@dataclass(frozen=True)
+class HydraulicLog:
+    """Channels of one manoeuvre that go into the hydraulics.
+
+    Attributes
+    ----------
+    master, pedal : (n,) Pa and N; None where not measured
+    inlet, outlet, pump : (n, 4), (n, 4), (n,); the valves at rest where not measured
+    commanded : True where the valve commands were measured
+    wheel_speed : (n, 4) rad/s
+    cornering : (n,) True at more than 4 m/s^2
+    """
+
+    master: FloatArray | None
+    pedal: FloatArray | None
+    inlet: FloatArray
+    outlet: FloatArray
+    pump: FloatArray
+    commanded: bool
+    wheel_speed: FloatArray
+    cornering: NDArray[np.bool_]
+
+
+def read_hydraulics(manoeuvre: Manoeuvre) -> HydraulicLog | None:
+    """What a manoeuvre tells of its hydraulics; None without master pressure and pedal force."""
+    channels, n = manoeuvre.channels, manoeuvre.samples
+    if "master_pressure" not in channels and "pedal_force" not in channels:
+        return None
+
+    def wheels(name: str) -> FloatArray:
+        return np.stack([channels.get(f"{name}_{wheel}", np.zeros(n)) for wheel in WHEELS], axis=1)
+
+    inlet, outlet = (np.ascontiguousarray(wheels(f"valve_{valve}")) for valve in _VALVES)
+    active = np.max(np.maximum(inlet, outlet), axis=1) > 0.5
+    # without a channel the pump runs as long as valves were moved in the last half second
+    assumed = np.convolve(active, np.ones(_PUMP_SAMPLES), "full")[:n] > 0.0
+    lateral = channels.get("lateral_acceleration", np.zeros(n))
+    return HydraulicLog(
+        master=channels.get("master_pressure"),
+        pedal=channels.get("pedal_force"),
+        inlet=inlet,
+        outlet=outlet,
+        pump=channels.get("pump", assumed.astype(np.float64)),
+        commanded=all(f"valve_{valve}_{wheel}" in channels for valve in _VALVES for wheel in WHEELS),
+        wheel_speed=np.ascontiguousarray(wheels("wheel_speed")),
+        cornering=np.abs(lateral) > _CORNERING_M_S2,
+    )
+
+
+class HydraulicReplay:
+    """Booster and hydraulic unit of a vehicle."""
+
+    def __init__(self, vehicle: VehicleFile) -> None:
+        numbers = vehicle.numbers("brakes") | vehicle.numbers("hydraulics")
+        self._values = {parameter.path: numbers.get(parameter.path, parameter.default) for parameter in PARAMETERS}
+        self._booster_gain = vehicle.brakes.booster_gain
+
+    def master(self, deviations: Mapping[str, float], log: HydraulicLog) -> FloatArray:
+        """Master pressure (n,) [Pa] by the pedal's force through the booster."""
+        assert log.pedal is not None
+        gain = self._booster_gain * (1.0 + deviations.get("booster_saturation.gain", 0.0))
+        pressure = gain * log.pedal
+        loss = deviations.get("booster_saturation.slope_loss", 0.0)
+        if loss == 0.0:
+            return pressure
+        knee = _KNEE_PA + deviations.get("booster_saturation.knee", 0.0)
+        return pressure - loss * np.maximum(pressure - knee, 0.0)
+
+    def wheels(
+        self,
+        deviations: Mapping[str, float],
+        log: HydraulicLog,
+        measured: FloatArray,
+        valid: FloatArray,
+        gain: float = GAIN,
+    ) -> FloatArray:
+        """Wheel pressures (n, 4) [Pa], each sample before its correction.
+
+        Parameters
+        ----------
+        deviations : by column; those of other parts are passed over
+        measured, valid : (n, 4) pressures that the observer corrects on, 1 where they hold
+        gain : of the observer per sample; 0 for a free run
+        """
+        master = log.master if log.master is not None else self.master(deviations, log)
+        values = self._changed(deviations)
+        volume = deviations.get("brake_knock_back.volume", 0.0)
+        total = np.zeros((len(master), 4))
+        out = np.empty_like(total)
+        for share, delays in _whole_delays(values):
+            record = np.zeros(1, PARAMETER_RECORD)
+            fill_record(values | delays, record)
+            record[0]["logic"][:] = LOGICS["abs"]().table.reshape(-1)
+            hydraulic_run(
+                record, master, log.inlet, log.outlet, log.pump, log.wheel_speed, log.cornering, measured, valid,
+                volume, gain, out,
+            )  # fmt: skip
+            total += share * out
+        return total
+
+    def _changed(self, deviations: Mapping[str, float]) -> dict[str, float]:
+        values = {path: float(value) for path, value in self._values.items() if value is not None}
+        for column, deviation in deviations.items():
+            parameter = HYDRAULIC_COLUMNS.get(column)
+            if parameter is None or not parameter.vehicle_path:
+                continue
+            for path in values:
+                if fnmatchcase(path, parameter.vehicle_path):
+                    changed = values[path] * (1.0 + deviation) if parameter.relative else values[path] + deviation
+                    values[path] = max(changed, 0.0)
+        return values
+
+
+def _whole_delays(values: Mapping[str, float]) -> list[tuple[float, dict[str, float]]]:
+    """The unit's dead times are whole milliseconds: shares of the runs between which the pressures are blended."""
+    ways = []
+    for valve in _VALVES:
+        steps = values[f"hydraulics.{valve}_delay_{WHEELS[0]}"] / STEP_S
+        whole = np.floor(steps + 1e-9)
+        part = steps - whole
+        ways.append([(1.0 - part, whole), (part, whole + 1.0)] if part > 1e-9 else [(1.0, whole)])
+    runs = []
+    for (inlet_share, inlet), (outlet_share, outlet) in product(*ways):
+        delays = {f"hydraulics.inlet_delay_{wheel}": inlet * STEP_S for wheel in WHEELS}
+        delays |= {f"hydraulics.outlet_delay_{wheel}": outlet * STEP_S for wheel in WHEELS}
+        runs.append((float(inlet_share * outlet_share), delays))
+    return runs
+
+
+def reported_pressure(deviations: Mapping[str, float], true: FloatArray) -> FloatArray:
+    """What the wheels' pressure sensors report (n, 4) of true pressures: lag, scale, offset."""
+    lag = deviations.get("pressure_sensor_lag.time_constant", 0.0)
+    reported = true
+    if lag > 0.0:
+        reported = true.copy()
+        share = SAMPLE_TIME_S / (lag + SAMPLE_TIME_S)
+        for k in range(1, len(reported)):
+            reported[k] = reported[k - 1] + share * (true[k] - reported[k - 1])
+    scale = deviations.get("pressure_sensor_scale.wheels", 0.0)
+    offset = deviations.get("pressure_sensor_offset.wheels", 0.0)
+    return reported if scale == 0.0 and offset == 0.0 else reported * (1.0 + scale) + offset

@@ -1,0 +1,95 @@
+"""The vehicle's hydraulic unit replayed with measured master pressure and valve commands, compiled."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from hydraulics.pressure import hcu_step
+from hydraulics.record import HOLD
+from hydraulics.state import STATE_RECORD
+from hydraulics.valves import stiffness
+from model_diagnosis.replay.record import Record
+
+TICKS = 10
+"""Steps of 1 ms within a sample."""
+
+_RELEASED_PA = 5e4
+
+
+@njit(cache=True, nogil=True)
+def _set_pressure(s: Record, wheel: int, pressure: float) -> None:
+    """Let the running segment of a wheel go on from another pressure."""
+    s.pressure[wheel] = pressure
+    if s.previous_state[wheel] == HOLD:
+        s.target[wheel] = pressure
+    s.difference[wheel] = s.target[wheel] - pressure
+    s.segment_time[wheel] = 0.0
+
+
+@njit(cache=True, nogil=True)
+def _fill_gap(p: Record, s: Record, wheel: int, before: float, gap: float) -> float:
+    """Fluid that only moves the pads up to the disc makes no pressure; returns what is left of the gap [m^3]."""
+    gained = s.pressure[wheel] - before
+    if gained <= 0.0:
+        return gap
+    per_volume = stiffness(p, wheel, before)
+    used = min(gained / per_volume, gap)
+    _set_pressure(s, wheel, s.pressure[wheel] - used * per_volume)
+    return gap - used
+
+
+@njit(cache=True, nogil=True)
+def hydraulic_run(
+    parameters: NDArray[np.void],
+    master: NDArray[np.float64],
+    inlet: NDArray[np.float64],
+    outlet: NDArray[np.float64],
+    pump: NDArray[np.float64],
+    wheel_speed: NDArray[np.float64],
+    cornering: NDArray[np.bool_],
+    measured: NDArray[np.float64],
+    valid: NDArray[np.float64],
+    gap_volume: float,
+    gain: float,
+    out: NDArray[np.float64],
+) -> None:
+    """Wheel pressures before each sample's correction.
+
+    Parameters
+    ----------
+    parameters : shape (1,), dtype ``hydraulics.record.PARAMETER_RECORD``
+    master : (n,) Pa
+    inlet, outlet, pump : (n, 4), (n, 4), (n,) commands, 1 energised
+    wheel_speed : (n, 4) rad/s, for the heat of the discs
+    cornering : (n,) True where the pads are pushed back
+    measured, valid : (n, 4) pressures [Pa] on which the observer corrects, and 1 where they hold
+    gap_volume : m^3, behind the pads after cornering
+    gain : of the observer, per sample
+    out : (n, 4) Pa
+    """
+    p = parameters[0]
+    memory = np.zeros(1, STATE_RECORD)
+    s = memory[0]
+    unused, gap = np.zeros(18), np.zeros(4)
+    for i in range(4):
+        s.previous_state[i] = -1
+        s.pressure[i] = measured[0, i] if valid[0, i] > 0.0 else master[0]
+        s.disc_temperature[i] = p.disc_start_temperature[i]
+    for k in range(master.shape[0]):
+        if k > 0:
+            for tick in range(TICKS):
+                nearest = k - 1 if 2 * tick < TICKS else k
+                supply = master[k - 1] + (tick + 1) / TICKS * (master[k] - master[k - 1])
+                before_0, before_1, before_2, before_3 = s.pressure[0], s.pressure[1], s.pressure[2], s.pressure[3]
+                hcu_step(p, s, inlet[nearest], outlet[nearest], wheel_speed[nearest], unused, supply, pump[nearest])
+                if gap_volume > 0.0:
+                    gap[0] = _fill_gap(p, s, 0, before_0, gap[0])
+                    gap[1] = _fill_gap(p, s, 1, before_1, gap[1])
+                    gap[2] = _fill_gap(p, s, 2, before_2, gap[2])
+                    gap[3] = _fill_gap(p, s, 3, before_3, gap[3])
+        for i in range(4):
+            out[k, i] = s.pressure[i]
+            if valid[k, i] > 0.0:
+                _set_pressure(s, i, max(s.pressure[i] + gain * (measured[k, i] - s.pressure[i]), 0.0))
+            if cornering[k] and s.pressure[i] < _RELEASED_PA:
+                gap[i] = gap_volume

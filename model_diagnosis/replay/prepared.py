@@ -1,0 +1,148 @@
+"""What a replay keeps of each manoeuvre: signals to compare, weights, inputs, what the observer corrects on."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.effects.sensor_chain import ring_carriers
+from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.replay.hydraulic import HydraulicLog, read_hydraulics
+from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of
+from model_diagnosis.replay.record import CORRECTED, OUTPUTS
+from signals.errors import InputError
+from signals.wheels import WHEELS
+from vehicle_model.vehicle_file import VehicleFile
+
+FloatArray = NDArray[np.float64]
+
+PRESSURES = tuple(f"brake_pressure_{wheel}" for wheel in WHEELS)
+
+COMPARED = (
+    *(f"wheel_speed_{wheel}" for wheel in WHEELS),
+    "longitudinal_acceleration",
+    "lateral_acceleration",
+    "yaw_rate",
+    "speed",
+    "lateral_speed",
+    "side_slip_angle",
+    "roll_rate",
+    "pitch_rate",
+    "roll_angle",
+    "pitch_angle",
+    *(f"vertical_load_{wheel}" for wheel in WHEELS),
+    *(f"longitudinal_force_{wheel}" for wheel in WHEELS),
+    *(f"lateral_force_{wheel}" for wheel in WHEELS),
+    *(f"suspension_travel_{wheel}" for wheel in WHEELS),
+)
+"""Signals that the car in motion can be compared on, where they were measured."""
+
+_LONGITUDINAL = ("longitudinal_acceleration", "speed")
+_LATERAL = ("lateral_acceleration", "yaw_rate", "lateral_speed", "side_slip_angle", "roll_rate", "roll_angle")
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """What stays the same of one manoeuvre for every theta.
+
+    Attributes
+    ----------
+    signals : compared signals, the columns of the arrays below
+    chosen : outputs of the compiled run, in the order of the first signals; pressures follow them
+    measured, weights : (n, c)
+    corrected, valid : (n, 6) signals of ``CORRECTED`` and 1 where they hold
+    start : (2,) speed and yaw rate at the first sample
+    hydraulics : None where the log tells nothing of them
+    pressure_known, pressure_valid : True where all wheel pressures were measured; (n, 4) 1 where they hold
+    carriers : (n, 4) phases of the tone rings; None without wheel speeds
+    """
+
+    manoeuvre: Manoeuvre
+    signals: tuple[str, ...]
+    chosen: NDArray[np.int64]
+    measured: FloatArray
+    weights: FloatArray
+    corrected: FloatArray
+    valid: FloatArray
+    start: FloatArray
+    inputs: Inputs
+    hydraulics: HydraulicLog | None
+    pressure_known: bool
+    pressure_valid: FloatArray
+    carriers: FloatArray | None
+
+    @property
+    def replays_pressures(self) -> bool:
+        """True where the wheel pressures are compared with the hydraulic unit's."""
+        return PRESSURES[0] in self.signals
+
+    @property
+    def replays_master(self) -> bool:
+        """True where the master pressure is compared with the booster's."""
+        return "master_pressure" in self.signals
+
+
+def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> Prepared:
+    """Prepare a manoeuvre.
+
+    Raises
+    ------
+    InputError
+        If it has neither all wheel speeds nor a speed.
+    """
+    channels = manoeuvre.channels
+    wheels = [f"wheel_speed_{wheel}" for wheel in WHEELS]
+    ringed = all(name in channels for name in wheels)
+    if "speed" not in channels and not ringed:
+        raise InputError(
+            f"{manoeuvre.source}: no speed",
+            found=", ".join(sorted(channels)) or "no channels",
+            allowed="all four wheel speeds, or speed",
+            mend="map them in the channel map",
+        )
+    inputs = read_inputs(manoeuvre, channels, vehicle)
+    moving = tuple(name for name in COMPARED if name in channels and manoeuvre.weight(name).any())
+    hydraulics = read_hydraulics(manoeuvre)
+    known = all(name in channels for name in PRESSURES)
+    signals = moving + _pressure_signals(hydraulics, known)
+    corrected = np.zeros((manoeuvre.samples, len(CORRECTED)))
+    valid = np.zeros_like(corrected)
+    for k, name in enumerate(CORRECTED):
+        if name in channels:
+            corrected[:, k], valid[:, k] = channels[name], manoeuvre.weight(name) > 0.0
+    return Prepared(
+        manoeuvre=manoeuvre,
+        signals=signals,
+        chosen=np.array([OUTPUTS.index(name) for name in moving], dtype=np.int64),
+        measured=np.stack([channels[name] for name in signals], axis=1) if signals else np.zeros((len(corrected), 0)),
+        weights=_weights(manoeuvre, signals, inputs, vehicle),
+        corrected=corrected,
+        valid=valid,
+        start=start_of(manoeuvre, vehicle),
+        inputs=inputs,
+        hydraulics=hydraulics,
+        pressure_known=known,
+        pressure_valid=np.stack([manoeuvre.weight(name) > 0.0 for name in PRESSURES], axis=1).astype(np.float64),
+        carriers=ring_carriers(manoeuvre.time, corrected[:, :4]) if ringed else None,
+    )
+
+
+def _pressure_signals(hydraulics: HydraulicLog | None, known: bool) -> tuple[str, ...]:
+    """Pressures that can be compared: those of the wheels with valve commands, the master's with the pedal's force."""
+    if hydraulics is None:
+        return ()
+    wheels = PRESSURES if known and hydraulics.commanded else ()
+    master = hydraulics.master is not None and hydraulics.pedal is not None
+    return wheels + (("master_pressure",) if master else ())
+
+
+def _weights(manoeuvre: Manoeuvre, signals: tuple[str, ...], inputs: Inputs, vehicle: VehicleFile) -> FloatArray:
+    moving = reference_speed(manoeuvre, vehicle) >= SLOWEST_M_S
+    weights = np.zeros((manoeuvre.samples, len(signals)))
+    for k, name in enumerate(signals):
+        weights[:, k] = manoeuvre.weight(name) * moving
+        if name in _LONGITUDINAL:
+            weights[inputs.inferred, k] = 0.0
+        if name in _LATERAL and not inputs.steered:
+            weights[:, k] = 0.0
+    return weights
