@@ -103,9 +103,9 @@ def diagnose(
     car = vehicle if isinstance(vehicle, VehicleFile) else load_vehicle(vehicle)
     manoeuvres, logs = _manoeuvres(source, car, channel_map)
     held_out, _ = _manoeuvres(hold_out, car, channel_map) if hold_out else ([], [])
-    faults, manoeuvres = check_data(manoeuvres, car, Replay(car, manoeuvres))
+    faults, manoeuvres = check_data(manoeuvres, car, Replay)
     if held_out:
-        _, held_out = check_data(held_out, car, Replay(car, held_out))
+        _, held_out = check_data(held_out, car, Replay)
     replay = Replay(car, manoeuvres)
     if not any(len(replay.signals(number)) for number in range(len(manoeuvres))):
         raise InputError("no signal of these logs can be compared with a replay", mend="check the channel map")
