@@ -24,8 +24,8 @@ class ManoeuvreFindings:
         replay, the one behind all statistics; ``after`` equals ``before`` where nothing was found)
     free_before, free_after : (n, c) free runs from the first sample, for the pictures; None where not made
     weights : (n, c), 0 where a sample counts for nothing
-    states : catalogue name -> (n,) of the replay at the answer, to show residuals over them: ``speed``, ``slip_ratio_fl``,
-        ``slip_angle_fl``, ``brake_disc_temperature_fl``, …; whatever is missing is not drawn
+    states : catalogue name -> (n,) of the replay at the answer, to show residuals over them: ``speed``,
+        ``slip_ratio_fl``, ``slip_angle_fl``, ``brake_disc_temperature_fl``, …; whatever is missing is not drawn
     held_out : True where the manoeuvre took no part in the search
     """
 

@@ -94,5 +94,37 @@ def show(
         print(f"picture: {path}")
 
 
+@app.command("fit")
+def fit(
+    logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="Logs of a healthy car, or runs of the bench.")],
+    vehicle: Annotated[
+        str | None, typer.Option(metavar="NAME|FILE", help="Car to begin with; without it that of a run's scenario.")
+    ] = None,
+    channels: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Channel map of measured logs; runs of the bench need none.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Default: CAR_fitted.yaml.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Calibrate a car on logs of a healthy one, so that later diagnoses start from that car.
+
+    Every parameter may be off by its scatter; the file that is written extends the given one, with the fitted values
+    and the scatter that the logs leave open. docs/diagnosis.md tells more.
+
+    Example: bench vehicle fit runs/healthy_drive --vehicle ekf_car --out my_car.yaml
+    """
+    from bench.diagnosis.progress import SearchProgress
+    from bench.diagnosis.vehicle_fitting import fit as fit_to_logs
+    from bench.diagnosis.vehicle_fitting import print_fit
+    from bench.report.summary import output_console
+
+    with SearchProgress() as progress:
+        result = fit_to_logs(logs, vehicle, channels=channels, out=out, progress=progress)
+    if as_json:
+        print_json(result.as_json())
+    else:
+        print_fit(result, output_console())
+
+
 def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.6g}"
