@@ -12,6 +12,8 @@ from model_diagnosis.manoeuvre import SAMPLE_TIME_S
 WIDEST_LAG_S = 2.5
 COARSE_BAND_HZ = (0.15, 3.0)
 FINE_BAND_HZ = (0.5, 6.0)
+COARSE_STEP = 4
+"""Samples skipped where only slow motion counts."""
 _BLOCK_S = 2.0
 _DRAWS = 60
 
@@ -40,23 +42,25 @@ def correlations(
     valid: Sequence[BoolArray],
     widest_lag_s: float,
     band_hz: tuple[float, float],
+    step: int = 1,
 ) -> FloatArray:
     """(blocks, 2 K + 1) products of left with right, right taken K…−K samples earlier, and their norm divided out.
 
+    With ``step`` only every so many samples are used, which a narrow band allows; the lags are then that far apart.
     The column of lag τ is the sum over a block of left(t) right(t − τ); the sum over blocks at the right lag is the
     correlation coefficient.
     """
-    reach = round(widest_lag_s / SAMPLE_TIME_S)
+    reach = round(widest_lag_s / SAMPLE_TIME_S / step)
     rows = []
     power_left = power_right = 0.0
     for one, other, mask in zip(left, right, valid, strict=True):
         if len(one) < 30 or mask.sum() < 30:
             continue
-        a, b = band(one, *band_hz) * mask, band(other, *band_hz) * mask
+        a, b = (band(one, *band_hz) * mask)[::step], (band(other, *band_hz) * mask)[::step]
         power_left += float(a @ a)
         power_right += float(b @ b)
         windows = np.lib.stride_tricks.sliding_window_view(np.pad(b, reach), 2 * reach + 1)
-        size = round(_BLOCK_S / SAMPLE_TIME_S)
+        size = round(_BLOCK_S / SAMPLE_TIME_S / step)
         for begin in range(0, len(a), size):
             rows.append(a[begin : begin + size] @ windows[begin : begin + size])
     norm = np.sqrt(power_left * power_right)
@@ -86,8 +90,9 @@ def find_lag(
     sign : 1 or −1 to look for correlations of this sign only, 0 for both
     """
     reach_s = widest_lag_s + abs(around_s)
-    table = correlations(left, right, valid, reach_s, band_hz)
-    lags = SAMPLE_TIME_S * (np.arange(table.shape[1]) - table.shape[1] // 2)
+    step = COARSE_STEP if band_hz[1] <= COARSE_BAND_HZ[1] else 1
+    table = correlations(left, right, valid, reach_s, band_hz, step)
+    lags = step * SAMPLE_TIME_S * (np.arange(table.shape[1]) - table.shape[1] // 2)
     inside = np.abs(lags - around_s) <= widest_lag_s + 1e-9
     total = table.sum(axis=0)
     peak = _peak(total, lags, inside, sign)
@@ -110,4 +115,4 @@ def _peak(total: FloatArray, lags: FloatArray, inside: BoolArray, sign: int) -> 
     before, top, after = strength[k - 1], strength[k], strength[k + 1]
     bend = before - 2.0 * top + after
     shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
-    return float(lags[k] + np.clip(shift, -0.5, 0.5) * SAMPLE_TIME_S), float(total[k])
+    return float(lags[k] + np.clip(shift, -0.5, 0.5) * (lags[1] - lags[0])), float(total[k])

@@ -1,4 +1,8 @@
-"""Low-passed channels: a first-order lag explains a channel from its twin far better than any delay does."""
+"""Low-passed channels: a first-order lag explains a channel from its twin far better than any delay does.
+
+A noisy twin fits better once it is smoothed, whatever the channel is; so the delay is given the same smoothing without
+its phase, and only the phase decides.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -7,20 +11,21 @@ import numpy as np
 from scipy import signal
 
 from model_diagnosis.data.geometry import Geometry
-from model_diagnosis.data.lags import correlations
+from model_diagnosis.data.lags import COARSE_STEP, correlations
 from model_diagnosis.data.samples import BoolArray, FloatArray
 from model_diagnosis.data.twins import AX_SPEED, AX_WHEELS, AY_YAW, YAW_WHEELS, reached, slope, twins_of
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
 
 CHANNELS = ("longitudinal_acceleration", "lateral_acceleration", "yaw_rate", "speed")
-_TIME_CONSTANTS_S = np.geomspace(0.03, 5.0, 24)
+_TIME_CONSTANTS_S = np.geomspace(0.03, 5.0, 18)
 _BAND_HZ = (0.05, 4.0)
 _WIDEST_LAG_S = 2.5
 _SHORTEST_S = {AX_WHEELS.name: 0.3, AX_SPEED.name: 0.08, AY_YAW.name: 0.1, YAW_WHEELS.name: 0.08}
 """Time constants that the car itself makes between the sides: slip for ax and wheels, side slip for ay and yaw rate."""
 _SHORTEST_REPLAYED_S = 0.06
-_SHARE = 0.5
+_SHARE = 0.6
+_WORST_FIT = 0.6
 _GAIN = 20.0
 _INDEPENDENT_PER_S = 2.0
 _RESTORED_UP_TO_S = 0.6
@@ -43,20 +48,32 @@ def first_order(values: FloatArray, time_constant_s: float) -> FloatArray:
     return result
 
 
-def _explained(pair: _Pair, time_constant_s: float | None) -> float:
-    """Largest squared correlation over all delays, the plain side filtered where a time constant is given."""
-    plain = pair.plain if time_constant_s is None else [first_order(p, time_constant_s) for p in pair.plain]
-    total = correlations(pair.filtered, plain, pair.valid, _WIDEST_LAG_S, _BAND_HZ).sum(axis=0)
-    return float(min(np.max(total), 1.0)) ** 2 if np.max(total) > 0.0 else 0.0
+def smoothed(values: FloatArray, time_constant_s: float) -> FloatArray:
+    """The amplitudes of a first-order lag without its phase."""
+    size = 2 * len(values)
+    frequency = 2.0 * np.pi * np.fft.rfftfreq(size, SAMPLE_TIME_S)
+    mirrored = np.concatenate((values, values[::-1]))
+    gain = 1.0 / np.sqrt(1.0 + (frequency * time_constant_s) ** 2)
+    result: FloatArray = np.fft.irfft(np.fft.rfft(mirrored) * gain, size)[: len(values)]
+    return result
+
+
+def _unexplained(pair: _Pair, plain: Sequence[FloatArray]) -> float:
+    """Share of the filtered side's power that no delay of the plain side explains."""
+    total = correlations(pair.filtered, plain, pair.valid, _WIDEST_LAG_S, _BAND_HZ, COARSE_STEP).sum(axis=0)
+    return 1.0 - float(np.clip(np.max(total), 0.0, 1.0)) ** 2
 
 
 def _fit(pair: _Pair) -> tuple[float, float]:
     """Time constant [s] and log likelihood that it wins over a pure delay; (0, 0) where it does not."""
-    unexplained = 1.0 - _explained(pair, None)
-    shares = np.array([1.0 - _explained(pair, float(t)) for t in _TIME_CONSTANTS_S])
+    shares = np.array([_unexplained(pair, [first_order(p, float(t)) for p in pair.plain]) for t in _TIME_CONSTANTS_S])
     k = int(np.argmin(shares))
     share = max(float(shares[k]), 1e-4)
-    if share > _SHARE * unexplained or _TIME_CONSTANTS_S[k] < pair.shortest_s or share > 0.6:
+    if _TIME_CONSTANTS_S[k] < pair.shortest_s or share > _WORST_FIT:
+        return 0.0, 0.0
+    delayed = (list(pair.plain), [smoothed(p, float(_TIME_CONSTANTS_S[k])) for p in pair.plain])
+    unexplained = min(_unexplained(pair, plain) for plain in delayed)
+    if share > _SHARE * unexplained:
         return 0.0, 0.0
     seconds = SAMPLE_TIME_S * sum(float(v.sum()) for v in pair.valid)
     gain = 0.5 * _INDEPENDENT_PER_S * seconds * float(np.log(unexplained / share))

@@ -40,7 +40,7 @@ def check_timing(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], l
     faults: list[DataFault] = []
     for origin in dict.fromkeys(channel.origin for channel in channels.values()):
         members = {name: channel for name, channel in channels.items() if channel.origin == origin}
-        label = next(iter(members)) if len(members) == 1 else origin
+        label = next(iter(members)) if len(members) == 1 else next(iter(members.values())).message or "time"
         in_order, found = _order(members, label)
         repaired.update(in_order)
         faults += found + _irregular(in_order, label)

@@ -19,6 +19,7 @@ _MOTION = ("wheel_speed_", "speed", "lateral_speed", "longitudinal_acceleration"
 _RATES = ("roll_rate", "pitch_rate", "vertical_acceleration", "side_slip_angle")
 _STUCK_S = 0.2
 _CONTEXT_S = 1.0
+_MOVING_HALF = 5
 
 
 def is_motion(name: str) -> bool:
@@ -59,7 +60,8 @@ def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
         return channel, []
     steps = np.diff(values)
     span = float(np.ptp(values))
-    jumps = np.flatnonzero(np.abs(steps) > 0.6 * span)
+    close = np.diff(channel.time[rows]) < 3.0 * max(channel.period_s(), 1e-9)
+    jumps = np.flatnonzero((np.abs(steps) > 0.6 * span) & close)
     usual = float(np.percentile(np.abs(np.delete(steps, jumps)), 99.0)) if len(jumps) < len(steps) else 0.0
     if span == 0.0 or not len(jumps) or len(jumps) > len(steps) // 10 or span < 20.0 * usual:
         return channel, []
@@ -136,12 +138,10 @@ def check_random_hold(channel: Samples) -> tuple[Samples, list[DataFault]]:
     values = channel.values[rows]
     steps = np.diff(values)
     quantum = resolution(values)
-    half = 5
-    slope = np.zeros(len(steps))
-    slope[half : len(steps) - half] = np.abs(values[2 * half + 1 :] - values[: -2 * half - 1])[: len(steps) - 2 * half]
-    slope /= 2 * half + 1
-    moving = slope > max(1.5 * quantum if quantum > 1e-6 * np.ptp(values) else 0.0, 1e-4 * float(np.ptp(values)))
-    if np.sum(moving) < 2 * _MIN_SAMPLES or quantum == 0.0:
+    if quantum == 0.0:
+        return channel, []
+    moving = _moving(values, steps, quantum)
+    if np.sum(moving) < 2 * _MIN_SAMPLES:
         return channel, []
     share = float(np.mean(steps[moving] == 0.0))
     by_chance = _share_by_chance(steps[moving], quantum)
@@ -164,6 +164,26 @@ def check_random_hold(channel: Samples) -> tuple[Samples, list[DataFault]]:
             message=message,
         )
     ]
+
+
+def _moving(values: FloatArray, steps: FloatArray, quantum: float) -> BoolArray:
+    """(n − 1,) True where a step of zero is no likelier than its neighbours: a steep trend, or noise of several steps
+    of the resolution; never at the ends of the range or at zero, where signals rest."""
+    window = np.lib.stride_tricks.sliding_window_view
+    half = _MOVING_HALF
+    padded = np.pad(values, (half, half + 1), mode="edge")
+    trend = np.abs(padded[2 * half + 1 :] - padded[: -2 * half - 1])[: len(steps)] / (2 * half + 1)
+    span = float(np.ptp(values))
+    fine = quantum < 1e-6 * span
+    steep = trend > (1e-4 * span if fine else 1.5 * quantum)
+    sizes = np.where(steps == 0.0, np.nan, np.abs(steps))
+    around = window(np.pad(sizes, half, constant_values=np.nan), 2 * half + 1)
+    enough = np.sum(np.isfinite(around), axis=1) >= 3
+    usual = np.zeros(len(steps))
+    usual[enough] = np.nanmedian(around[enough], axis=1)
+    rests = np.isin(values[:-1], (0.0, values.min(), values.max()))
+    active: BoolArray = (steep | (usual > 2.5 * quantum)) & ~rests
+    return active
 
 
 def _share_by_chance(steps: FloatArray, quantum: float) -> float:
@@ -232,7 +252,7 @@ def _enters_steeply(values: FloatArray, runs: Runs, k: int) -> bool:
     return len(entry) > 3 and sign * (entry[-1] - entry[0]) > 3.0 * float(np.std(np.diff(values)))
 
 
-VALUE_CHECKS: tuple[SampleCheck, ...] = (check_wrap, check_periodic_hold, check_random_hold, check_stuck)
+VALUE_CHECKS: tuple[SampleCheck, ...] = (check_wrap, check_periodic_hold, check_stuck, check_random_hold)
 
 
 def fresh_values(channel: Samples) -> tuple[FloatArray, FloatArray]:
