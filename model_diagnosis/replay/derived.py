@@ -23,8 +23,10 @@ def derive(record: NDArray[np.void]) -> None:
     p["inverse_roll"], p["inverse_pitch"] = 1.0 / p["roll_inertia"], 1.0 / p["pitch_inertia"]
     p["steering_lag"] = p["steering_damping"] / p["steering_stiffness"]
     p["inverse_load"], p["inverse_capacity"] = 1.0 / p["reference_load"], 1.0 / p["heat_capacity"]
+    p["inverse_nominal_load"] = 1.0 / p["nominal_load"]
     for letter, factor in (("x", "longitudinal_stiffness"), ("y", "cornering_stiffness")):
-        p[f"inverse_peak_{letter}"] = p[factor] / (p[f"peak_slip_{letter}"] * (1.0 + p["peak_shift"]))
+        p[f"inverse_peak_{letter}"] = p[factor] / p[f"peak_slip_{letter}"]
+    p["inverse_peak_x"] /= 1.0 + p["peak_shift"]
     _derive_suspension(p, tracks)
 
 

@@ -11,7 +11,7 @@ from model_diagnosis.replay.tyre_table import TyreForm, fit_tyre, trail_of
 from signals.wheels import WHEELS
 from vehicle_model.rigid_bodies import rigid_bodies
 from vehicle_model.tyres.relaxation import fill_in
-from vehicle_model.tyres.tyre_file import TirTyre
+from vehicle_model.tyres.tyre_file import CurveTyre, TirTyre
 from vehicle_model.vehicle_file import VehicleFile
 
 _DAMPER_SPEED_M_S = 0.1
@@ -131,6 +131,10 @@ def _write_tyre(entry: np.void, vehicle: VehicleFile, axle: int) -> TyreForm:
         entry[f"peak_slip_{letter}"][wheels] = direction.peak_slip
         entry[f"load_loss_{letter}"][wheels] = direction.load_loss
         entry[f"stiffness_loss_{letter}"][wheels] = direction.stiffness_loss
+    if isinstance(tyre, CurveTyre):
+        entry["nominal_load"][wheels], entry["file_load_loss"][wheels] = tyre.nominal_load, tyre.load_sensitivity
+    else:
+        entry["nominal_load"][wheels] = load
     entry["reference_load"][wheels], entry["friction_stiffens"][wheels] = load, form.friction_stiffens
     entry["relaxation_x"][wheels] = tyre.relaxation_length_longitudinal
     entry["relaxation_y"][wheels] = tyre.relaxation_length_lateral

@@ -23,7 +23,7 @@ _NUMBERS = (
     "track_front",
     "track_rear",
     # tyre, all wheels
-    "sliding_loss",  # what friction at slip 1 lacks, over the peak's
+    "more_load_loss",  # what a car's tyres lose by load beyond their file
     "peak_shift",  # relative shift of the slip at the peak at the same stiffness
     "heat_fade",  # 1/K^2
     "velocity_fade",  # s/m
@@ -94,6 +94,8 @@ _WHEELS = (
     "peak_slip_x",
     "peak_slip_y",
     "reference_load",
+    "nominal_load",  # to which the file's loss of friction by load refers
+    "file_load_loss",
     "friction_stiffens",  # 1 where more friction is more stiffness too, 0 where the stiffness stays
     "relaxation_x",
     "relaxation_y",
@@ -136,6 +138,7 @@ _DERIVED_WHEELS = (
     "wheel_y",  # and left of it
     "static_load",
     "inverse_load",  # 1/reference_load
+    "inverse_nominal_load",
     "inverse_peak_x",  # 1/slip at the peak, with the factors of the stiffness
     "inverse_peak_y",
     "mean_share",  # of an axle's mean compression that springs take, not tyres

@@ -29,6 +29,7 @@ from model_diagnosis.replay.prepared import PRESSURES, Prepared, prepare
 from model_diagnosis.replay.record import OUTPUTS
 from model_diagnosis.replay.sensors import own_noise
 from model_diagnosis.replay.sweep import replay_cars
+from model_diagnosis.replay.tyre_shape import shaped_tables
 from signals.errors import unknown_name
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
@@ -294,9 +295,17 @@ class Replay:
         derive(cars)
         inputs, corrected = self._inputs(deviations, prepared, pressures), self._corrected(deviations, prepared)
         out = np.empty((1, prepared.manoeuvre.samples, len(chosen)))
-        fixed = (self._car.tables, inputs, corrected, prepared.valid, prepared.start)
+        fixed = (self._tables(deviations), inputs, corrected, prepared.valid, prepared.start)
         replay_cars(cars, 0, 1, *fixed, gains, horizon, SAMPLE_TIME_S, chosen, out)
         return out[0]
+
+    def _tables(self, deviations: Mapping[str, float]) -> FloatArray:
+        """Tables of the tyres, reshaped where a deviation asks for it."""
+        loss = deviations.get("tyre_peak_shape.sliding_loss", 0.0)
+        shift = deviations.get("tyre_peak_shape.peak_slip", 0.0)
+        if loss == 0.0 and shift == 0.0:
+            return self._car.tables
+        return shaped_tables(self._car.tables, self._car.record[0]["peak_slip_x"][::2], loss, shift)
 
     def _parts(
         self,

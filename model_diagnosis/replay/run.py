@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from model_diagnosis.replay.brake_step import count_stop_energy
 from model_diagnosis.replay.chassis_step import move_body, move_in_plane
 from model_diagnosis.replay.record import (
+    CELLS,
     INPUT_BANK,
     INPUT_DRIVE_FRONT,
     INPUT_DRIVE_REAR,
@@ -15,7 +16,6 @@ from model_diagnosis.replay.record import (
     OUTPUTS,
     Record,
 )
-from model_diagnosis.replay.tyre_step import set_tables
 from model_diagnosis.replay.wheel_step import move_wheel, steer_wheels
 
 SUBSTEPS = 5
@@ -40,6 +40,15 @@ def _step(p: Record, s: Record, step: float) -> None:
     if p.in_stop_rise != 0.0:
         count_stop_energy(s, step)
     move_in_plane(p, s, step)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _read_tables(s: Record, tables: NDArray[np.float64]) -> None:
+    for axle in range(2):
+        for direction in range(2):
+            for k in range(CELLS + 1):
+                s.table[axle, direction, k, 0] = tables[axle, direction, k, 0]
+                s.table[axle, direction, k, 1] = tables[axle, direction, k, 1]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -148,7 +157,7 @@ def replay_run(
     out : (n, c) predictions before each sample's correction
     """
     p, s = cars[car], memory[0]
-    set_tables(p, s, tables)
+    _read_tables(s, tables)
     step = sample_time / SUBSTEPS
     full, restart = np.zeros(_OUTPUTS), np.ones(4)
     _read_inputs(s, inputs[0], inputs[0], 0.0)

@@ -2,15 +2,11 @@
 
 import math
 
-import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from model_diagnosis.replay.record import CELLS, Record
 
 LEAST_SHARE = 0.05
-_SLIDING_SPAN = 4.0
-"""Slips over the peak's within which three quarters of the falling branch's loss are reached."""
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -55,64 +51,19 @@ def tyre_forces(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _sliding_share(relative: float) -> float:
-    """Course of the falling branch's loss: 0 up to the peak, level there, towards 1 far beyond it."""
-    if relative <= 1.0:
-        return 0.0
-    beyond = (relative - 1.0) / _SLIDING_SPAN
-    square = 3.0 * beyond * beyond
-    return square / (1.0 + square)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _reshape(s: Record, axle: int, direction: int, loss: float, shift: float, peak_slip: float) -> None:
-    """Change a table to that of a tyre with less friction at slip 1 and its peak at a larger slip.
-
-    g'(rho) = g(w(rho)) - loss h(rho)/h(1/peak slip), w = rho (1 + q)/(1 + q rho^2) up to the peak: the stiffness stays
-    and the peak moves by 1 + q.
-    """
-    normal = max(_sliding_share(1.0 / peak_slip), 1e-9)
-    values = np.empty(CELLS + 1)
-    for k in range(CELLS + 1):
-        variable = k / CELLS
-        relative = variable / max(1.0 - variable, 1e-9)
-        warped = relative
-        if relative < 1.0:
-            warped = relative * (1.0 + shift) / (1.0 + shift * relative * relative)
-        place = warped / (1.0 + warped) * CELLS
-        cell = min(int(place), CELLS - 1)
-        value, _ = _look_up(s, axle, direction, cell, place - cell)
-        values[k] = value - loss * _sliding_share(relative) / normal
-    s.table[axle, direction, 0, 1] *= 1.0 + shift
-    for k in range(1, CELLS):
-        s.table[axle, direction, k, 0] = values[k]
-        s.table[axle, direction, k, 1] = 0.5 * (values[k + 1] - values[k - 1])
-    s.table[axle, direction, CELLS, 0], s.table[axle, direction, CELLS, 1] = values[CELLS], 0.0
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def set_tables(p: Record, s: Record, base: NDArray[np.float64]) -> None:
-    """The tyres' tables (2, 2, CELLS + 1, 2), reshaped where the record asks for it."""
-    for axle in range(2):
-        for direction in range(2):
-            for k in range(CELLS + 1):
-                s.table[axle, direction, k, 0] = base[axle, direction, k, 0]
-                s.table[axle, direction, k, 1] = base[axle, direction, k, 1]
-            if p.sliding_loss != 0.0 or p.peak_shift != 0.0:
-                peak_slip = p.peak_slip_x[2 * axle] if direction == 0 else p.peak_slip_y[2 * axle]
-                _reshape(s, axle, direction, p.sliding_loss, p.peak_shift, peak_slip)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def load_share(loss: float, rise: float) -> float:
     """Friction or stiffness over that at the reference load, ``rise`` the load over it less 1."""
     return max(1.0 - loss * rise, LEAST_SHARE)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def road_friction(p: Record, wheel: int, distance: float, speed: float, over_temperature: float) -> float:
-    """Factor on the friction of a wheel: the tyre's own, a step or split of the road, speed, heat."""
+def road_friction(p: Record, wheel: int, load: float, distance: float, speed: float, over_temperature: float) -> float:
+    """Factor on the friction of a wheel: the tyre's own, load, a step or split of the road, speed, heat."""
     friction = p.friction[wheel]
+    if p.more_load_loss != 0.0:
+        rise = load * p.inverse_nominal_load[wheel] - 1.0
+        usual = max(1.0 - p.file_load_loss[wheel] * rise, LEAST_SHARE)
+        friction *= max(usual - p.more_load_loss * rise, LEAST_SHARE) / usual
     if p.friction_step != 0.0 and distance > p.friction_step_place:
         friction *= 1.0 + p.friction_step
     if p.friction_split != 0.0:

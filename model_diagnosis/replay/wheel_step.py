@@ -85,7 +85,7 @@ def move_wheel(
     s.lagged_x[i], s.lagged_y[i] = slip_x, slip_y
     s.slip_x[i], s.slip_y[i] = now_x, now_y
 
-    friction = road_friction(p, i, s.distance, abs(v_x), s.tyre_heat[i])
+    friction = road_friction(p, i, load, s.distance, abs(v_x), s.tyre_heat[i])
     rise = load * p.inverse_load[i] - 1.0
     share_x, share_y = load_share(p.load_loss_x[i], rise), load_share(p.load_loss_y[i], rise)
     inverse_x = p.inverse_peak_x[i] * load_share(p.stiffness_loss_x[i], rise) / share_x

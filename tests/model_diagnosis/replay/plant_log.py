@@ -6,6 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hydraulics import HydraulicUnit
+from hydraulics.friction_brake import brake_torque
+from hydraulics.parameters import PARAMETERS
+from hydraulics.record import PARAMETER_RECORD, fill_record
+from hydraulics.state import STATE_RECORD
 from model_diagnosis.manoeuvre import Manoeuvre
 from signals.wheels import WHEELS
 from vehicle_model import Plant
@@ -35,6 +39,22 @@ def ideal_sensors(vehicle: VehicleFile) -> VehicleFile:
     return copied
 
 
+class _WheelBrakes:
+    """The brakes of the hydraulic unit behind given pressures."""
+
+    def __init__(self, vehicle: VehicleFile) -> None:
+        numbers = vehicle.numbers()
+        self._parameters, self._state = np.zeros(1, PARAMETER_RECORD), np.zeros(1, STATE_RECORD)
+        fill_record({p.path: float(numbers.get(p.path, p.default or 0.0)) for p in PARAMETERS}, self._parameters)
+        self._state[0]["disc_temperature"] = self._parameters[0]["disc_start_temperature"]
+
+    def torque(self, pressures: Sequence[float], state: dict[str, float]) -> FloatArray:
+        """Torque capacities (4,) [N m] after another millisecond."""
+        self._state[0]["pressure"] = pressures
+        speeds = [state[f"true_wheel_speed_{wheel}"] for wheel in WHEELS]
+        return np.array([brake_torque(self._parameters[0], self._state[0], i, speeds[i]) for i in range(4)])
+
+
 def drive(
     vehicle: VehicleFile,
     course: Course,
@@ -46,7 +66,7 @@ def drive(
     """Drive the MuJoCo car along a course of inputs and keep every tenth millisecond."""
     plant = Plant(vehicle, road or RoadFile())
     plant.reset(speed_m_s=speed_m_s)
-    gain = HydraulicUnit(vehicle.numbers())._parameters[0]["torque_per_pressure"].copy()
+    brakes = _WheelBrakes(vehicle)
     shares = np.array(vehicle.driveline.wheel_share())
     rows: dict[str, list[float]] = {channel: [] for channel in _TRUTH}
     extra: dict[str, list[float]] = {name: [] for name in ("longitudinal_acceleration", "lateral_acceleration")}
@@ -65,7 +85,7 @@ def drive(
                 state["true_lateral_acceleration"] + 9.81 * (bank + np.sin(state["roll_angle"]))
             )
             inputs.append((*pressures, torque, steer))
-        plant.step(1, brake_torque=gain * np.array(pressures), drive_torque=shares * torque, steer=steer)
+        plant.step(1, brake_torque=brakes.torque(pressures, plant.state()), drive_torque=shares * torque, steer=steer)
     given = np.array(inputs)
     front = 2.0 * shares[0]
     channels = {channel: np.array(values) for channel, values in (rows | extra).items()}
