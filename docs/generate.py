@@ -1,6 +1,6 @@
 """Write the pages and schemas that are made from the sources: ``python docs/generate.py``.
 
-docs/scenario_reference.md and docs/errors.md, and the schemas of the kinds of files.
+docs/scenario_reference.md, docs/errors.md, docs/effects.md and others, and the schemas of the kinds of files.
 """
 
 import json
@@ -20,14 +20,17 @@ SCHEMA_PLACES = {
 
 def pages() -> dict[Path, str]:
     """Content of every generated file by its path."""
+    from bench.diagnosis.explaining import effects_page
     from bench.scenario.fault_catalogue import faults_page
     from bench.scenario.file_kinds import schema_of
     from bench.scenario.reference import scenario_reference
+    from model_diagnosis.effects.catalogue import EFFECTS
 
     content = {
         ROOT / "docs/scenario_reference.md": scenario_reference(),
         ROOT / "docs/errors.md": errors_page(),
         ROOT / "docs/faults.md": faults_page(),
+        ROOT / "docs/effects.md": effects_page(EFFECTS),
     }
     from docs.generate_parameters import parameters_page
 

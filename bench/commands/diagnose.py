@@ -1,13 +1,12 @@
 """``bench diagnose``: what the simulation of a car gets wrong on measured data, and why."""
 
-from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from bench.commands import diagnose_challenge
 from bench.commands.options import JsonOption, finish, print_json
 
 INSUFFICIENT_DATA = 3
@@ -149,6 +148,4 @@ def effects(
         print(catalogue_text(shown))
 
 
-CHALLENGE = "bench.commands.diagnose_challenge"
-if find_spec(CHALLENGE) is not None:
-    app.command("challenge")(import_module(CHALLENGE).challenge)
+app.command("challenge")(diagnose_challenge.challenge)

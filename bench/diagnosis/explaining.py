@@ -5,12 +5,14 @@ from typing import Any
 
 from bench.report.formatting import number
 from model_diagnosis.effects.effect import Application, Effect, EffectParameter, Group
+from signals.wheels import WHEELS
 
 APPLICATIONS = {
     Application.PLANT: "the car",
     Application.INPUT: "an input of the car",
     Application.SENSOR: "the sensors",
     Application.CLOCK: "the clocks of the data",
+    Application.CONTROLLER: "the control unit",
 }
 
 
@@ -19,7 +21,7 @@ def effect_text(effect: Effect) -> str:
     lines = [
         f"{effect.name}  ({effect.group.value}; acts on {APPLICATIONS[effect.application]})",
         f"  equation     {effect.equation}",
-        f"  seen in      {', '.join(effect.signals) or '-'}",
+        f"  seen in      {signals_text(effect) or '-'}",
         f"  looks like   {', '.join(effect.confounded_with) or 'nothing else of the catalogue'}",
         f"  told apart   {effect.separating_manoeuvre or '-'}",
     ]
@@ -74,9 +76,9 @@ def effects_page(effects: Iterable[Effect]) -> str:
         "`bench diagnose` can name. Made from `model_diagnosis/effects/` by `python docs/generate.py`;",
         "`bench diagnose explain EFFECT` prints the same for one effect.",
         "",
-        f"{len(listed)} effects with {sum(len(e.parameters) for e in listed)} parameters. Each parameter is a",
-        "deviation from the vehicle file whose value 0 is neutral: relative (in %), or in the unit given. *Ordinary*",
-        "is how far a healthy car is off its file (one standard deviation; the file's own `scatter:` wins over it),",
+        f"{len(listed)} effects with {sum(len(e.parameters) for e in listed)} parameters. A parameter is a deviation from",
+        "the vehicle file whose value 0 is neutral: relative (in %), or in the unit given. *Ordinary* is how far a",
+        "healthy car is off its file (one standard deviation; the file's own `scatter:` wins over it),",
         "*effect* the same where the effect is present. An effect is named only beyond the ordinary.",
         "",
     ]
@@ -98,7 +100,17 @@ def unit_text(parameter: EffectParameter) -> str:
 def range_text(parameter: EffectParameter) -> str:
     """Bounds of a deviation."""
     factor = 100.0 if _in_percent(parameter) else 1.0
-    return f"{number(factor * parameter.low, 3)} … {number(factor * parameter.high, 3)} {unit_text(parameter)}"
+    unit = unit_text(parameter)
+    ends = f"{number(factor * parameter.low, 3)} … {number(factor * parameter.high, 3)}"
+    return ends if unit == "1" else f"{ends} {unit}"
+
+
+def signals_text(effect: Effect) -> str:
+    """Signals that show an effect; four wheels as one."""
+    stems = [name[: -len(wheel)] + "*" for name in effect.signals for wheel in WHEELS if name.endswith(f"_{wheel}")]
+    whole = {stem for stem in stems if stems.count(stem) == len(WHEELS)}
+    shown = [stem if (stem := name[:-2] + "*") in whole else name for name in effect.signals]
+    return ", ".join(dict.fromkeys(shown))
 
 
 def scatter_text(parameter: EffectParameter) -> str:
@@ -108,7 +120,7 @@ def scatter_text(parameter: EffectParameter) -> str:
 
 def _section(effect: Effect) -> list[str]:
     lines = [f"### `{effect.name}`", "", f"`{effect.equation}`", ""]
-    lines.append(f"- acts on {APPLICATIONS[effect.application]}; seen in {', '.join(effect.signals) or 'no signal'}")
+    lines.append(f"- acts on {APPLICATIONS[effect.application]}; seen in {signals_text(effect) or 'no signal'}")
     if effect.confounded_with:
         lines.append("- looks like " + ", ".join(f"`{name}`" for name in effect.confounded_with))
     if effect.separating_manoeuvre:
