@@ -12,7 +12,7 @@ import numpy as np
 
 from model_diagnosis.data.faults import joined
 from model_diagnosis.data.geometry import Geometry
-from model_diagnosis.data.lags import FINE_BAND_HZ, find_lag
+from model_diagnosis.data.lags import COARSE_BAND_HZ, FINE_BAND_HZ, find_lag
 from model_diagnosis.data.samples import FloatArray
 from model_diagnosis.data.twins import Twin, members, twins_of
 from model_diagnosis.data.unit_checks import CORRELATED
@@ -23,6 +23,8 @@ INERTIAL = ("longitudinal_acceleration", "lateral_acceleration", "yaw_rate")
 _INPUTS = ("brake_pressure", "steering", "drive_torque")
 _ENOUGH = 0.6
 _REPLAYED_TOLERANCE_S = 0.006
+_LAG_UNCERTAINTY = 0.25
+_FOLLOWS = 0.7
 _NAMED_S = 0.015
 _MARGIN = 16.0
 _PENALTY = 9.0
@@ -81,13 +83,34 @@ def _lag_relation(twin: Twin, simulated: Twin | None) -> LagRelation | None:
     fine = find_lag(*sides, around_s=coarse.lag_s, widest_lag_s=0.15, band_hz=FINE_BAND_HZ, sign=1)
     estimate = fine if fine.correlation > _ENOUGH else coarse
     usual, tolerance = twin.kind.usual_lag_s, twin.kind.lag_tolerance_s
-    if simulated is not None:
-        band = FINE_BAND_HZ if estimate is fine else (0.15, 3.0)
-        own = find_lag(simulated.left, simulated.right, twin.valid, widest_lag_s=0.3, band_hz=band, sign=1)
-        if own.correlation > CORRELATED:
-            usual, tolerance = own.lag_s, float(np.hypot(own.std_s, _REPLAYED_TOLERANCE_S))
+    if simulated is not None and (own := _replayed_lag(twin, simulated, fine=estimate is fine)):
+        usual, tolerance = own
     spread = float(np.sqrt(estimate.std_s**2 + tolerance**2 + (0.1 * SAMPLE_TIME_S) ** 2))
     return LagRelation(twin.kind.late, twin.kind.early, estimate.lag_s - usual, spread)
+
+
+def _replayed_lag(twin: Twin, simulated: Twin, *, fine: bool) -> tuple[float, float] | None:
+    """Lag of the twin in the replay and how sure it is; None where the replay does not follow the measurement.
+
+    A quarter of the car's own lag stays uncertain, since it goes with stiffnesses that may be off.
+    """
+    followed = [
+        valid & _follows(a, b) & _follows(c, d)
+        for a, b, c, d, valid in zip(twin.left, simulated.left, twin.right, simulated.right, twin.valid, strict=True)
+    ]
+    if not any(mask.any() for mask in followed):
+        return None
+    band_hz = FINE_BAND_HZ if fine else COARSE_BAND_HZ
+    own = find_lag(simulated.left, simulated.right, followed, widest_lag_s=0.3, band_hz=band_hz, sign=1)
+    if own.correlation < CORRELATED:
+        return None
+    return own.lag_s, float(np.hypot(_REPLAYED_TOLERANCE_S, _LAG_UNCERTAINTY * own.lag_s))
+
+
+def _follows(measured: FloatArray, replayed: FloatArray) -> bool:
+    """True where the replayed series goes the measured one's way, at whatever delay up to 2.5 s."""
+    everywhere = np.ones(len(measured), dtype=bool)
+    return find_lag([measured], [replayed], [everywhere], sign=1).correlation > _FOLLOWS
 
 
 def candidates(manoeuvres: Sequence[Manoeuvre]) -> list[Late]:

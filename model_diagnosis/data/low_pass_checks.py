@@ -18,7 +18,7 @@ from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
 
 CHANNELS = ("longitudinal_acceleration", "lateral_acceleration", "yaw_rate", "speed")
-_TIME_CONSTANTS_S = np.geomspace(0.03, 5.0, 18)
+_TIME_CONSTANTS_S = np.geomspace(0.03, 5.0, 14)
 _BAND_HZ = (0.05, 4.0)
 _WIDEST_LAG_S = 2.5
 _SHORTEST_S = {AX_WHEELS.name: 0.3, AX_SPEED.name: 0.08, AY_YAW.name: 0.1, YAW_WHEELS.name: 0.08}
@@ -26,6 +26,8 @@ _SHORTEST_S = {AX_WHEELS.name: 0.3, AX_SPEED.name: 0.08, AY_YAW.name: 0.1, YAW_W
 _SHORTEST_REPLAYED_S = 0.06
 _SHARE = 0.6
 _WORST_FIT = 0.6
+_WELL_EXPLAINED = 0.02
+"""Share of a channel's power that a delay may leave unexplained without any further question."""
 _GAIN = 20.0
 _INDEPENDENT_PER_S = 2.0
 _RESTORED_UP_TO_S = 0.6
@@ -66,6 +68,8 @@ def _unexplained(pair: _Pair, plain: Sequence[FloatArray]) -> float:
 
 def _fit(pair: _Pair) -> tuple[float, float]:
     """Time constant [s] and log likelihood that it wins over a pure delay; (0, 0) where it does not."""
+    if _unexplained(pair, pair.plain) < _WELL_EXPLAINED:
+        return 0.0, 0.0
     shares = np.array([_unexplained(pair, [first_order(p, float(t)) for p in pair.plain]) for t in _TIME_CONSTANTS_S])
     k = int(np.argmin(shares))
     share = max(float(shares[k]), 1e-4)

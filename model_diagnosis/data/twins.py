@@ -6,6 +6,7 @@ A group is a channel, or the channels that a logger brings together: ``wheel_spe
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from scipy import signal
@@ -313,9 +314,14 @@ def band(values: FloatArray, low_hz: float, high_hz: float) -> FloatArray:
     return _filtered(values - np.mean(values), "bandpass", (low_hz, high_hz))
 
 
+@cache
+def _sections(kind: str, edges: float | tuple[float, float]) -> FloatArray:
+    sections: FloatArray = signal.butter(2, edges, kind, fs=1.0 / SAMPLE_TIME_S, output="sos")
+    return sections
+
+
 def _filtered(values: FloatArray, kind: str, edges: float | tuple[float, float]) -> FloatArray:
     if len(values) < 30:
         return values
-    sections = signal.butter(2, edges, kind, fs=1.0 / SAMPLE_TIME_S, output="sos")
-    result: FloatArray = signal.sosfiltfilt(sections, values, padlen=min(150, len(values) - 1))
+    result: FloatArray = signal.sosfiltfilt(_sections(kind, edges), values, padlen=min(150, len(values) - 1))
     return result

@@ -76,10 +76,10 @@ def drive(kind: str, rng: np.random.Generator, duration_s: float = 9.0) -> Drive
         pressure = _smooth_steps(rng, time, np.array([0.0, 0.0, 0.0, 0.0, 15e5, 8e5]), 0.06)
     if kind == "slalom":
         frequency = rng.uniform(0.35, 0.7)
-        steer = 0.6 * np.sin(2 * np.pi * frequency * time) * np.clip(time, 0.0, 1.0)
-        steer += 0.2 * np.sin(2 * np.pi * 1.3 * time)
+        steer = 0.35 * np.sin(2 * np.pi * frequency * time) * np.clip(time, 0.0, 1.0)
+        steer += 0.12 * np.sin(2 * np.pi * 1.3 * time)
     if kind == "turn_brake":
-        steer = _smooth_steps(rng, time, np.array([0.0, 0.7, 0.7, -0.5, -0.5, 0.0]), 0.25)
+        steer = _smooth_steps(rng, time, np.array([0.0, 0.45, 0.45, -0.35, -0.35, 0.0]), 0.25)
     return _motion(time, pressure, torque, steer, rng.uniform(24.0, 30.0))
 
 
