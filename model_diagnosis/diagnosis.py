@@ -14,13 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.data import check_data, read_manoeuvres
+from model_diagnosis.effects.catalogue import EFFECTS
+from model_diagnosis.effects.form import FORM_EFFECTS
 from model_diagnosis.evidence.answer import CauseDetail, causes
 from model_diagnosis.evidence.base import Base, fit_base
 from model_diagnosis.evidence.excitation import Excitation, excitation, excited_columns
 from model_diagnosis.evidence.hypotheses import by_effect, hypotheses_of
 from model_diagnosis.evidence.localise import violated_equations
 from model_diagnosis.evidence.lookalikes import look_alikes
-from model_diagnosis.evidence.priors import Priors, stated_scatter
+from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.search import Search, linear_evidence, ratios
 from model_diagnosis.evidence.selection import Selection, Selector
 from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
@@ -30,7 +32,7 @@ from model_diagnosis.held_out import gain_of, noise_std
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.pictures import manoeuvre_findings
 from model_diagnosis.replay import Replay
-from model_diagnosis.replay.equations import equation_errors
+from model_diagnosis.replay.equations import errors_of
 from model_diagnosis.result import DataFault, Diagnosis
 from model_diagnosis.verdict import verdict_of
 from signals.errors import InputError
@@ -41,6 +43,9 @@ from vehicle_model.vehicle_file import VehicleFile
 FloatArray = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 Source = Sequence[Manoeuvre] | Sequence[str | Path]
+
+REPLAYED = (*EFFECTS, *FORM_EFFECTS)
+"""Effects that the replay carries: the catalogue, and what is allowed without ever being named."""
 
 STEPS = {"data": 0.0, "base": 0.1, "threshold": 0.4, "search": 0.42, "answer": 0.8, "plan": 0.88, "gain": 0.95}
 """Share of the whole at which each step begins, for the progress bar."""
@@ -109,7 +114,17 @@ def diagnose(
     replay = Replay(car, manoeuvres)
     if not any(len(replay.signals(number)) for number in range(len(manoeuvres))):
         raise InputError("no signal of these logs can be compared with a replay", mend="check the channel map")
-    return _Pipeline(car, replay, Replay(car, held_out) if held_out else None, faults, logs, seed, clock).run()
+    return _Pipeline(
+        car, replay, Replay(car, held_out, REPLAYED) if held_out else None, faults, logs, seed, clock
+    ).run()
+
+
+def _checked(
+    vehicle: VehicleFile, manoeuvres: list[Manoeuvre], held_out: list[Manoeuvre]
+) -> tuple[list[DataFault], list[Manoeuvre], list[Manoeuvre]]:
+    """Faults of the data, and both sets repaired together: a clock or a swap is one for all logs of a car."""
+    faults, repaired = check_data([*manoeuvres, *held_out], vehicle, Replay)
+    return faults, repaired[: len(manoeuvres)], repaired[len(manoeuvres) :]
 
 
 def _manoeuvres(
@@ -160,10 +175,7 @@ class _Pipeline:
         return findings
 
     def _priors(self) -> Priors:
-        scatter = stated_scatter(
-            self.replay.parameters, self.vehicle.scatter, lambda column: self.replay.physical(column, 0.0)[2]
-        )
-        return Priors.of(self.replay.parameters, scatter)
+        return Priors.of(self.replay.parameters)
 
     def _search(self, base: Base) -> tuple[Search, float]:
         """Hypotheses that the data can show, and the evidence that one of them needs."""
@@ -183,7 +195,7 @@ class _Pipeline:
         return causes(search, selection, alike, self.replay.physical)
 
     def _guilty(self, theta: FloatArray, base: Base) -> dict[str, float]:
-        errors = [equation_errors(self.vehicle, manoeuvre, theta) for manoeuvre in self.replay.manoeuvres]
+        errors = [errors_of(self.replay, theta, number) for number in range(len(self.replay.manoeuvres))]
         return violated_equations(errors, base.problem.whitener.temperature)
 
     def _diagnosis(

@@ -35,8 +35,8 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         Group.BODY,
         "I_xx <- (1 + d) I_xx, I_yy <- (1 + d) I_yy of the sprung body",
         ("roll_rate", "pitch_rate"),
-        EffectParameter("roll", "1", -0.4, 0.6, 0.05, 0.05, "body.roll_inertia"),
-        EffectParameter("pitch", "1", -0.4, 0.6, 0.05, 0.05, "body.pitch_inertia"),
+        EffectParameter("roll", "1", -0.4, 1.0, 0.25, 0.25),
+        EffectParameter("pitch", "1", -0.4, 1.0, 0.25, 0.25),
     ),
     _form(
         "form_lag",

@@ -1,9 +1,7 @@
 """Two prior widths for each deviation: an ordinary car's and that of an effect which is present."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,44 +12,6 @@ FloatArray = NDArray[np.float64]
 
 NUISANCE_FLOOR = 1e-3
 """Nuisance width of a deviation that an ordinary car does not have, as a share of its effect width."""
-
-
-class Scatter(Protocol):
-    """Spread of one parameter as a vehicle file states it."""
-
-    @property
-    def std(self) -> float:
-        """Standard deviation; of the nominal value if relative."""
-
-    @property
-    def kind(self) -> str:
-        """``relative`` or ``absolute``."""
-
-
-def stated_scatter(
-    parameters: Sequence[EffectParameter],
-    scatter: Mapping[str, Scatter],
-    nominal: Callable[[int], float],
-) -> FloatArray:
-    """Nuisance widths (p,) of the deviations: the vehicle file's scatter where it states one, else the catalogue's.
-
-    ``nominal`` gives the nominal physical value of a column. Paths match with ``*`` for each wheel or axle.
-    """
-    widths = np.array([parameter.nuisance_std for parameter in parameters])
-    for column, parameter in enumerate(parameters):
-        if not parameter.vehicle_path:
-            continue
-        for path, spread in scatter.items():
-            if fnmatchcase(path, parameter.vehicle_path) or fnmatchcase(parameter.vehicle_path, path):
-                value = abs(nominal(column))
-                if parameter.relative == (spread.kind == "relative"):
-                    widths[column] = spread.std
-                elif parameter.relative and value > 0.0:
-                    widths[column] = spread.std / value
-                elif not parameter.relative:
-                    widths[column] = spread.std * value
-                break
-    return widths
 
 
 @dataclass(frozen=True)
@@ -73,11 +33,10 @@ class Priors:
     high: FloatArray
 
     @classmethod
-    def of(cls, parameters: Sequence[EffectParameter], nuisance: FloatArray | None = None) -> "Priors":
-        """Priors as the catalogue states them, or with other nuisance widths (p,)."""
+    def of(cls, parameters: Sequence[EffectParameter]) -> "Priors":
+        """Priors as catalogue and vehicle file state them."""
         effect = np.array([parameter.effect_std for parameter in parameters])
-        if nuisance is None:
-            nuisance = np.array([parameter.nuisance_std for parameter in parameters])
+        nuisance = np.array([parameter.nuisance_std for parameter in parameters])
         return cls(
             centre=np.zeros(len(effect)),
             nuisance=np.maximum(nuisance, NUISANCE_FLOOR * effect),

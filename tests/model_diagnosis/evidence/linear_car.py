@@ -25,8 +25,8 @@ def effect(name: str, count: int = 1, nuisance: float = 0.03, width: float = 0.2
 class LinearCar:
     """Replay with fixed sensitivities: smooth random functions of time, one set per manoeuvre.
 
-    ``bend`` adds a quadratic term; ``colour`` is the first coefficient of the noise's autoregression; ``same`` are pairs
-    of columns with equal sensitivities up to a factor.
+    ``bend`` adds a quadratic term; ``colour`` is the first coefficient of the noise's autoregression; ``same`` are
+    pairs of columns with equal sensitivities up to a factor.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Evidence from sensitivities equals the exact Bayes factor of the Gaussian model, computed without any of its formulas."""
+"""Evidence from sensitivities equals the exact Bayes factor of the Gaussian model, computed from its densities."""
 
 import numpy as np
 import pytest
