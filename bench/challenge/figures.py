@@ -75,6 +75,7 @@ def figures_of(scores: Sequence[CaseScore]) -> Figures:
         _share("first or in a justified group", singles, lambda s: s.in_group, (0.97, 1.0)),
         _share("answers that are groups", singles, lambda s: s.grouped, (0.0, 0.10)),
         _share("false alarms on clean cars", scores, lambda s: s.false_alarm, (0.0, 0.01)),
+        _share("data fault invented on clean cars", scores, lambda s: s.fault_invented),
         _share("physical value within 10 %", singles, _value_within, (0.95, 1.0)),
         _median("median error of the physical value", (s.parameter_error for s in singles), (0.0, 0.015)),
         _share("90 % interval holds the value", singles, lambda s: s.covered, (0.85, 0.95)),

@@ -22,11 +22,8 @@ def text_of(result: ChallengeResult) -> str:
     if result.figures.bins:
         lines += ["", "stated probability  right  statements"]
         lines += [f"  {part.stated:16.2f}  {part.right:5.2f}  {part.count}" for part in result.figures.bins]
-    missed = result.figures.missed
-    lines += [
-        "",
-        "missed: " + ", ".join(figure.name for figure in missed) if missed else "every required figure is met",
-    ]
+    missed = ", ".join(figure.name for figure in result.figures.missed)
+    lines += ["", f"missed: {missed}" if missed else "every required figure that has cases is met"]
     return "\n".join(lines)
 
 
@@ -58,7 +55,8 @@ def reliability_picture(bins: list[Bin], title: str, path: Path) -> None:
 
     (x0, y0), (x1, y1) = place(0.0, 0.0), place(1.0, 1.0)
     marks = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_SIZE} {_SIZE}" font-family="sans-serif" font-size="11">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_SIZE} {_SIZE}" font-family="sans-serif" '
+        'font-size="11">',
         f'<rect width="{_SIZE}" height="{_SIZE}" fill="white"/>',
         f'<path d="M{x0} {y1}V{y0}H{x1}" fill="none" stroke="black"/>',
         f'<line x1="{x0}" y1="{y0}" x2="{x1}" y2="{y1}" stroke="gray" stroke-dasharray="4"/>',

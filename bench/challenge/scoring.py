@@ -47,6 +47,7 @@ class CaseScore:
     both: bool | None = None
     fault_named: bool | None = None
     physics_named: bool | None = None
+    fault_invented: bool | None = None
     right_verdict: bool | None = None
     variables: bool | None = None
     parameter_error: float | None = None
@@ -213,28 +214,48 @@ def _clean(
     score.false_alarm = bool(diagnosis["causes"] or diagnosis["discovered_terms"]) or diagnosis["verdict"] == (
         "wrong_vehicle"
     )
+    score.fault_invented = _invented(diagnosis, label)
 
 
 def _data_fault(
     score: CaseScore, index: int, label: Mapping[str, Any], diagnosis: Mapping[str, Any], separate: Separate
 ) -> None:
-    """The kind on one of its channels; a fault that acts on several may be named on any, or on their message."""
-    kind = label["data_fault"]["kind"]
-    others = _SAME_FAULT.get(kind, ())
-    score.fault_named = any(fault["kind"] in (kind, *others) for fault in diagnosis["data_faults"])
-    score.fault_named = score.fault_named or any(cause["effect"] == kind for cause in named_causes(diagnosis))
-    score.physics_named = any(cause["effect"] != kind for cause in named_causes(diagnosis))
-    if score.fault_named:
+    """The kind on one of its channels, or the lag within a sample or two; no cause may be named beside it."""
+    hidden = label["data_fault"]
+    kind = hidden["kind"]
+    causes = [cause["effect"] for cause in named_causes(diagnosis)]
+    score.fault_named = kind in causes or any(_is_fault(fault, hidden, label) for fault in diagnosis["data_faults"])
+    score.physics_named = any(effect != kind for effect in causes)
+    if score.fault_named and not score.physics_named:
         score.answer = str(kind)
 
 
-_SAME_FAULT = {
-    "wheel_speed_delay": ("can_latency",),
-    "can_latency": ("clock_offset",),
-    "clock_offset": ("can_latency",),
-    "gps_hold": ("frame_drop_hold",),
-}
-"""Kinds that are the same in a log that has one channel or one message of them: a delay is a delay."""
+_LAGS = ("wheel_speed_delay", "can_latency", "clock_offset")
+"""A lag has one name by what it touches: a channel, a message, a logger; a table does not tell which that is."""
+_HELD = ("frame_drop_hold", "gps_hold")
+_LAG_WITHIN_S = 0.03
+
+
+def _is_fault(found: Mapping[str, Any], hidden: Mapping[str, Any], label: Mapping[str, Any]) -> bool:
+    kind, value = hidden["kind"], float(hidden["value"])
+    if kind in _LAGS:
+        if "speed" in hidden["channels"]:  # the second logger is late in every case
+            value += float(label["clock_offset_s"])
+        lag = found.get("value")
+        return found["kind"] in _LAGS and lag is not None and abs(abs(float(lag)) - value) <= _LAG_WITHIN_S
+    same = found["kind"] == kind or {found["kind"], kind} <= set(_HELD)
+    return same and any(channel in found["channel"] for channel in hidden["channels"])
+
+
+def _invented(diagnosis: Mapping[str, Any], label: Mapping[str, Any]) -> bool:
+    """True where a data fault is named that is not there; lost frames and the second logger's lag are."""
+    offset = float(label["clock_offset_s"])
+    for fault in diagnosis["data_faults"]:
+        lag = fault.get("value")
+        is_offset = fault["kind"] in _LAGS and lag is not None and abs(abs(float(lag)) - offset) <= _LAG_WITHIN_S
+        if fault["kind"] != "missing_channel" and not is_offset:
+            return True
+    return False
 
 
 def _unknown(
@@ -247,15 +268,16 @@ def _unknown(
     )
 
 
-_WHEELS = ("", "_fl", "_fr", "_rl", "_rr")
+def _per_wheel(*names: str) -> tuple[str, ...]:
+    return tuple(f"{name}{wheel}" for name in names for wheel in ("", "_fl", "_fr", "_rl", "_rr"))
+
+
 _VARIABLE_WORDS: dict[str, tuple[str, ...]] = {
-    "speed": ("speed", "v", *(f"wheel_speed{wheel}" for wheel in _WHEELS)),
+    "speed": ("speed", "v", *_per_wheel("wheel_speed")),
     "yaw_rate": ("yaw_rate", "r"),
-    "brake_torque": tuple(
-        f"{name}{wheel}" for name in ("brake_torque", "brake_pressure", "T_b", "p") for wheel in _WHEELS
-    ),
-    "brake_pressure": tuple(f"{name}{wheel}" for name in ("brake_pressure", "pressure", "p") for wheel in _WHEELS),
-    "pressure_rate": tuple(f"{name}{wheel}" for name in ("pressure_rate", "brake_pressure_rate") for wheel in _WHEELS),
+    "brake_torque": _per_wheel("brake_torque", "brake_pressure", "T_b", "p"),
+    "brake_pressure": _per_wheel("brake_pressure", "pressure", "p"),
+    "pressure_rate": _per_wheel("pressure_rate", "brake_pressure_rate"),
 }
 """Names under which a formula may use the variable that a hidden term depends on."""
 

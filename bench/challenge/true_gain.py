@@ -52,7 +52,7 @@ def _true_ratio(case: Path, names: Sequence[str]) -> float | None:
     replay, held_out_replay = Replay(vehicle, manoeuvres), Replay(vehicle, held_out)
     scatter = stated_scatter(replay.parameters, vehicle.scatter, lambda column: replay.physical(column, 0.0)[2])
     base = fit_base(replay, Priors.of(replay.parameters, scatter))
-    hypotheses = hypotheses_of(replay, list(range(len(replay.columns))))
+    hypotheses = hypotheses_of(replay, [True] * len(replay.columns))
     true = []
     for name in names:
         number = next((n for n, effect in enumerate(replay.effects) if effect.name == name), None)

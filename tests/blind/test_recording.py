@@ -31,7 +31,9 @@ def stop() -> tuple[np.ndarray, Drive]:
     return simulate(as_record(nominal_car()), drive), drive
 
 
-def _recorded(run: tuple[np.ndarray, Drive], *, fault: Fault | None = None, offset: float = 0.0) -> dict[str, MessageLog]:
+def _recorded(
+    run: tuple[np.ndarray, Drive], *, fault: Fault | None = None, offset: float = 0.0
+) -> dict[str, MessageLog]:
     loggers = Loggers(offset, _PHASES, (), fault)
     return record(run[0], run[1], _IDEAL, loggers, np.random.default_rng(5))
 
@@ -74,7 +76,10 @@ def test_the_second_loggers_channel_is_late(stop: tuple[np.ndarray, Drive]) -> N
     truth = np.interp(log.time - 0.2, np.arange(len(stop[0])) / 1000.0, stop[0][:, 0])
     late = log.time > 0.25
     assert np.std((log.channels["speed"] - truth)[late]) < 0.05
-    assert np.std((log.channels["speed"] - np.interp(log.time, np.arange(len(stop[0])) / 1000.0, stop[0][:, 0]))[late]) > 0.5
+    assert (
+        np.std((log.channels["speed"] - np.interp(log.time, np.arange(len(stop[0])) / 1000.0, stop[0][:, 0]))[late])
+        > 0.5
+    )
 
 
 @pytest.mark.parametrize("kind", FAULTS, ids=lambda kind: kind.name)
