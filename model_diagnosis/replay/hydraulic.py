@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hydraulics.parameters import PARAMETERS
 from hydraulics.record import PARAMETER_RECORD, STEP_S, fill_record
 from hydraulics.selection_logic import LOGICS
+from hydraulics.state import STATE_RECORD
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.effects.hydraulics import HYDRAULICS_EFFECTS
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
@@ -135,8 +136,8 @@ class HydraulicReplay:
             fill_record(values | delays, record)
             record[0]["logic"][:] = LOGICS["abs"]().table.reshape(-1)
             hydraulic_run(
-                record, master, log.inlet, log.outlet, log.pump, log.wheel_speed, log.cornering, measured, valid,
-                volume, gain, out,
+                record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump, log.wheel_speed,
+                log.cornering, measured, valid, volume, gain, out,
             )  # fmt: skip
             total += share * out
         return total

@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 
 from hydraulics.pressure import hcu_step
 from hydraulics.record import HOLD
-from hydraulics.state import STATE_RECORD
 from hydraulics.valves import stiffness
 from model_diagnosis.replay.record import Record
 
@@ -41,6 +40,7 @@ def _fill_gap(p: Record, s: Record, wheel: int, before: float, gap: float) -> fl
 @njit(cache=True, nogil=True)
 def hydraulic_run(
     parameters: NDArray[np.void],
+    memory: NDArray[np.void],
     master: NDArray[np.float64],
     inlet: NDArray[np.float64],
     outlet: NDArray[np.float64],
@@ -58,6 +58,8 @@ def hydraulic_run(
     Parameters
     ----------
     parameters : shape (1,), dtype ``hydraulics.record.PARAMETER_RECORD``
+    memory : shape (1,), dtype ``hydraulics.state.STATE_RECORD``, zeros. It comes from outside: in compiled code a record
+        does not keep its array alive, and one made here is freed while it is written
     master : (n,) Pa
     inlet, outlet, pump : (n, 4), (n, 4), (n,) commands, 1 energised
     wheel_speed : (n, 4) rad/s, for the heat of the discs
@@ -68,7 +70,6 @@ def hydraulic_run(
     out : (n, 4) Pa
     """
     p = parameters[0]
-    memory = np.zeros(1, STATE_RECORD)
     s = memory[0]
     unused, gap = np.zeros(18), np.zeros(4)
     for i in range(4):
