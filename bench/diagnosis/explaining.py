@@ -77,8 +77,8 @@ def effects_page(effects: Iterable[Effect]) -> str:
         "`bench diagnose explain EFFECT` prints the same for one effect.",
         "",
         f"{len(listed)} effects with {sum(len(e.parameters) for e in listed)} parameters. A parameter is a deviation",
-        "from the vehicle file whose value 0 is neutral: relative (in %), or in the unit given. *Ordinary* is how far a",
-        "healthy car is off its file (one standard deviation; the file's own `scatter:` wins over it),",
+        "from the vehicle file whose value 0 is neutral: relative (in %), or in the unit given. *Ordinary* is how far",
+        "a healthy car is off its file (one standard deviation; the file's own `scatter:` wins over it),",
         "*effect* the same where the effect is present. An effect is named only beyond the ordinary.",
         "",
     ]
