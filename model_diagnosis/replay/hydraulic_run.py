@@ -58,8 +58,8 @@ def hydraulic_run(
     Parameters
     ----------
     parameters : shape (1,), dtype ``hydraulics.record.PARAMETER_RECORD``
-    memory : shape (1,), dtype ``hydraulics.state.STATE_RECORD``, zeros. It comes from outside: in compiled code a record
-        does not keep its array alive, and one made here is freed while it is written
+    memory : shape (1,), dtype ``hydraulics.state.STATE_RECORD``, zeros. It comes from outside: in compiled code a
+        record does not keep its array alive, and one made here is freed while it is written
     master : (n,) Pa
     inlet, outlet, pump : (n, 4), (n, 4), (n,) commands, 1 energised
     wheel_speed : (n, 4) rad/s, for the heat of the discs
