@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 
 from vehicle_model.extension_terms import ROLLING
 from vehicle_model.plant_record import Record
-from vehicle_model.tyres.coefficients import MAGIC_FORMULA
+from vehicle_model.tyres.coefficients import MAGIC_FORMULA, TIR
+from vehicle_model.tyres.curves import LEAST_PEAK_SLIP, MOST_PEAK_SLIP
 from vehicle_model.tyres.kernel import (
     PEAK_FORCE_X,
     PEAK_FORCE_Y,
-    PEAK_SLIP_X,
-    PEAK_SLIP_Y,
     STIFFNESS_X,
     STIFFNESS_Y,
     across,
     along,
+    peak_slips,
 )
 from vehicle_model.tyres.prepared_row import KIND
 
@@ -37,7 +37,12 @@ _NOWHERE = 1e9
 @njit(cache=True)
 def _sticks(prepared: NDArray[np.float64], slip_x: float, slip_y: float) -> bool:
     """True while the slip is not beyond that of the peak."""
-    relative_x, relative_y = slip_x / prepared[PEAK_SLIP_X], slip_y / prepared[PEAK_SLIP_Y]
+    if prepared[KIND] == TIR:
+        square = slip_x * slip_x + slip_y * slip_y
+        if square < LEAST_PEAK_SLIP**2 or square > MOST_PEAK_SLIP**2:  # no need to know where the peaks are
+            return square < LEAST_PEAK_SLIP**2
+    peak_x, peak_y = peak_slips(prepared)
+    relative_x, relative_y = slip_x / peak_x, slip_y / peak_y
     return relative_x * relative_x + relative_y * relative_y <= 1.0
 
 
@@ -154,7 +159,9 @@ def spin_wheel(
     # the last evaluation of a formula that costs much; a curve is as cheap as its tangent
     costly = prepared[KIND] != MAGIC_FORMULA
     at_x = at_y = _NOWHERE
-    at_force = at_slope = 0.0
+    at_force = at_slope = at_force_y = at_moment = 0.0
+    # at low speed the bristles want the side force in each sub-step too: only the very same slip is evaluated once
+    near_x, near_y = (0.0, 0.0) if slow else (NEAR_X, NEAR_Y)
 
     for _ in range(substeps):
         roll = radius * omega
@@ -175,16 +182,17 @@ def spin_wheel(
             if relaxation_y > 0.0:
                 slip_y = (relaxation_y * s.lagged_slip_y[i] + h * slide_y) * weight_y
             s.lagged_slip_x[i], s.lagged_slip_y[i] = slip_x, slip_y
-        if costly and abs(slip_x - at_x) < NEAR_X and abs(slip_y - at_y) < NEAR_Y:
+        if costly and abs(slip_x - at_x) <= near_x and abs(slip_y - at_y) <= near_y:
             force_x, slope = at_force + at_slope * (slip_x - at_x), at_slope
+            force_y, moment_z = at_force_y, at_moment
         elif costly and speed < full_below and _sticks(prepared, slip_x, slip_y):
             force_x = slope = force_y = moment_z = 0.0  # the bristles alone act, and below the peak
         else:
             force_x, slope = along(tyre, prepared, slip_x, slip_y)
             if slow:
                 force_y, moment_z = across(tyre, prepared, slip_x, slip_y, force_x)
-            else:
-                at_x, at_y, at_force, at_slope = slip_x, slip_y, force_x, slope
+            at_x, at_y, at_force, at_slope = slip_x, slip_y, force_x, slope
+            at_force_y, at_moment = force_y, moment_z
         slope *= slip_slope
         if speed < none_above:
             b_x, b_y, b_slope = _bristles(

@@ -14,7 +14,7 @@ from vehicle_model.road import RoadTables
 from vehicle_model.road_file import RoadFile
 from vehicle_model.tyres import read_tir
 from vehicle_model.tyres.coefficients import TYRE_SIZE, write_tyre
-from vehicle_model.tyres.kernel import PEAK_FORCE_X, PEAK_SLIP_X, PREPARED_SIZE, across, along, prepare
+from vehicle_model.tyres.kernel import PEAK_FORCE_X, PREPARED_SIZE, across, along, peak_slips, prepare
 from vehicle_model.tyres.tyre_file import TirTyre
 from vehicle_model.vehicle_file import VehicleFile, load_tyres, load_vehicle, parameter_table, set_parameter
 from vehicle_model.wheel_step import NEAR_X, NEAR_Y
@@ -85,7 +85,7 @@ def test_slope_and_peak_of_pure_slip(vehicle: VehicleFile) -> None:
     slips = np.linspace(-1.0, 0.0, 10001)
     curve = np.array([-along(row, prepared, slip, 0.0)[0] for slip in slips])
     assert prepared[PEAK_FORCE_X] == pytest.approx(curve.max(), rel=1e-6)
-    assert prepared[PEAK_SLIP_X] == pytest.approx(-slips[curve.argmax()], abs=1e-3)
+    assert peak_slips(prepared)[0] == pytest.approx(-slips[curve.argmax()], abs=1e-3)
 
 
 def test_forces_while_driving_are_those_of_the_tyre(tmp_path: Path, vehicle: VehicleFile) -> None:

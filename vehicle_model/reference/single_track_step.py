@@ -15,7 +15,7 @@ from vehicle_model.interface import TIME_STEP_S
 from vehicle_model.reference.single_track_outputs import write_outputs
 from vehicle_model.reference.single_track_record import FRONT, REAR
 from vehicle_model.road import friction_at, slopes_at, water_factor_at
-from vehicle_model.tyres.kernel import PEAK_FORCE_X, PEAK_SLIP_X, STIFFNESS_X, along, prepare
+from vehicle_model.tyres.kernel import PEAK_FORCE_X, STIFFNESS_X, along, peak_slips, prepare
 
 _SMALLEST_SPEED = 1e-6
 _SMALLEST_LOAD = 1.0
@@ -57,7 +57,7 @@ def _bristle_friction(
     for i in range(2 * axle, 2 * axle + 2):
         rolling_stiffness += prepared[i, STIFFNESS_X]
         peak += prepared[i, PEAK_FORCE_X]
-    passed = abs(slip) > prepared[2 * axle, PEAK_SLIP_X]
+    passed = abs(slip) > peak_slips(prepared[2 * axle])[0]
     limit = abs(curve) * load if passed else peak
     left = 1.0 + h * roll * stiffness / max(rolling_stiffness, 1.0)
     force = stiffness * (s.bristle[axle] + h * slide) / left + p.contact_damping[axle] * slide

@@ -28,16 +28,20 @@ def magic_formula(slip: float, stiffness: float, shape: float, peak: float, curv
     return peak * math.sin(angle), peak * math.cos(angle) * shape * y_slope / (1.0 + y * y)
 
 
+LEAST_PEAK_SLIP, MOST_PEAK_SLIP = 0.01, 1.0
+"""Limits of what `magic_formula_peak` finds."""
+
+
 @njit(cache=True)
 def magic_formula_peak(stiffness: float, shape: float, curvature: float) -> float:
-    """Slip at the peak, at least 0.01 and at most 1: B s - E (B s - arctan(B s)) = tan(pi/(2 C)) by Newton's method."""
+    """Slip at the peak, within its limits: B s - E (B s - arctan(B s)) = tan(pi/(2 C)) by Newton's method."""
     if shape <= 1.0 or stiffness == 0.0:
-        return 1.0
+        return MOST_PEAK_SLIP
     wanted = math.tan(math.pi / (2.0 * shape))
     x = wanted
     for _ in range(6):
         x -= (x - curvature * (x - math.atan(x)) - wanted) / max(1.0 - curvature * x * x / (1.0 + x * x), 0.05)
-    return min(max(abs(x / stiffness), 0.01), 1.0)
+    return min(max(abs(x / stiffness), LEAST_PEAK_SLIP), MOST_PEAK_SLIP)
 
 
 @njit(cache=True)

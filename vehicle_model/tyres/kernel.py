@@ -57,7 +57,7 @@ from vehicle_model.tyres.prepared_row import (
     STIFFNESS_X,
     STIFFNESS_Y,
 )
-from vehicle_model.tyres.tir_kernel import across_tir, along_tir, prepare_tir
+from vehicle_model.tyres.tir_kernel import across_tir, along_tir, find_peak_slips_tir, prepare_tir
 
 __all__ = [
     "PEAK_FORCE_X",
@@ -69,6 +69,7 @@ __all__ = [
     "STIFFNESS_Y",
     "across",
     "along",
+    "peak_slips",
     "prepare",
 ]
 
@@ -126,9 +127,17 @@ def prepare(
     prepared[KIND] = kind
     friction *= surface[SURFACE_FACTOR]
     if kind == TIR:
-        prepare_tir(tyre, friction, load, speed, camber, prepared, numbers_at(address_in(prepared, KEPT)))
+        prepare_tir(tyre, friction, load, camber, prepared, numbers_at(address_in(prepared, KEPT)))
     else:
         prepare_formula(tyre, friction, load, speed, prepared)
+
+
+@njit(cache=True)
+def peak_slips(prepared: NDArray[np.float64]) -> tuple[float, float]:
+    """Slips of the peaks along and across the wheel's heading."""
+    if prepared[PEAK_SLIP_X] == 0.0:
+        find_peak_slips_tir(prepared, numbers_at(address_in(prepared, KEPT)))
+    return prepared[PEAK_SLIP_X], prepared[PEAK_SLIP_Y]
 
 
 @njit(cache=True)

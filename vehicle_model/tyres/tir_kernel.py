@@ -22,7 +22,6 @@ from vehicle_model.tyres.prepared_row import (
     PEAK_FORCE_Y,
     PEAK_SLIP_X,
     PEAK_SLIP_Y,
-    SPEED_OF_BRISTLES,
     STIFFNESS_X,
     STIFFNESS_Y,
 )
@@ -55,12 +54,11 @@ def prepare_tir(
     row: NDArray[np.float64],
     friction: float,
     load: float,
-    speed: float,
     camber: float,
     header: NDArray[np.float64],
     kept: NDArray[np.float64],
 ) -> None:
-    """Coefficients for the coming step into ``kept``; peaks, their slips and slopes at zero slip into ``header``."""
+    """Coefficients for the coming step into ``kept``; peaks and slopes at zero slip into ``header``."""
     p = record_at(address_in(row, TYRE_RECORD), TIR_RECORD)
     c = record_at(address_in(kept, 0), COEFFICIENT_RECORD)
     lightest = _LIGHTEST * p.FNOMIN * p.LFZO
@@ -68,10 +66,16 @@ def prepare_tir(
     coefficients(p, c, evaluated, -camber if row[TYRE_MIRRORED] != 0.0 else camber, p.INFLPRES, friction)
     c.share = load / evaluated
     header[PEAK_FORCE_X], header[PEAK_FORCE_Y] = c.share * c.peak_x, c.share * c.peak_y
-    if speed < SPEED_OF_BRISTLES:  # only the bristles ask where the peaks are
-        header[PEAK_SLIP_X] = magic_formula_peak(c.b_x, c.shape_x, min(c.e_x, 1.0))
-        header[PEAK_SLIP_Y] = magic_formula_peak(c.b_y, c.shape_y, min(c.e_y, 1.0))
+    header[PEAK_SLIP_X] = header[PEAK_SLIP_Y] = 0.0
     header[STIFFNESS_X], header[STIFFNESS_Y] = c.share * abs(c.stiffness_x), c.share * abs(c.stiffness_y)
+
+
+@njit(cache=True)
+def find_peak_slips_tir(header: NDArray[np.float64], kept: NDArray[np.float64]) -> None:
+    """Slips of the peaks into ``header``: they cost as much as all forces, and few ask for them."""
+    c = record_at(address_in(kept, 0), COEFFICIENT_RECORD)
+    header[PEAK_SLIP_X] = magic_formula_peak(c.b_x, c.shape_x, min(c.e_x, 1.0))
+    header[PEAK_SLIP_Y] = magic_formula_peak(c.b_y, c.shape_y, min(c.e_y, 1.0))
 
 
 @njit(cache=True)
