@@ -21,7 +21,8 @@ def move_body(p: Record, s: Record, step: float) -> None:
     up = lift_front + lift_rear
     nose_down = -p.wheel_x[0] * lift_front - p.wheel_x[2] * lift_rear
     left_up = 0.0
-    spin_change = 0.0
+    s.spin_momentum = 0.0
+    about_wheels = 0.0  # moments on the car about the wheels' axes: spin-up, and rolling resistance from the ground
     for i in range(4):
         x, y = p.wheel_x[i], p.wheel_y[i]
         # the axle's mean compression, and half its difference to the other wheel
@@ -36,18 +37,20 @@ def move_body(p: Record, s: Record, step: float) -> None:
             change += (p.bump_rate[i] + p.bump_progression[i] * deep) * deep
         force_x = s.tyre_x[i]
         change += (p.guide_brake[i] if force_x < 0.0 else p.guide_drive[i]) * force_x
-        change += p.guide_side[i] * s.tyre_y[i]
+        # the wheel travels along the body's z axis, which leans with the body
+        change += (p.guide_side[i] + s.roll) * s.tyre_y[i] - s.pitch * force_x
         change = max(change, -p.static_load[i])
         s.load[i], s.travel[i] = p.static_load[i] + change, travel
         up += change
         nose_down -= x * change
         left_up += y * change
-        spin_change += p.spin_inertia[i] * s.spin_rate[i]
+        s.spin_momentum += p.spin_inertia[i] * s.spin[i]
+        about_wheels += p.spin_inertia[i] * s.spin_rate[i] + s.rolling_torque[i]
     weight_arm = p.mass * GRAVITY * (p.height - p.radius[0])
     drag = p.drag * speed * speed
-    nose_down += weight_arm * s.pitch - spin_change
+    nose_down += weight_arm * s.pitch - about_wheels
     nose_down -= p.height * (s.force_x + drag) + (p.drag_height - p.height) * drag
-    left_up += weight_arm * s.roll + p.height * s.force_y
+    left_up += weight_arm * s.roll + p.height * s.force_y + s.yaw_rate * s.spin_momentum
     s.heave_rate += step * up * p.inverse_sprung
     s.pitch_rate += step * nose_down * p.inverse_pitch
     s.roll_rate += step * left_up * p.inverse_roll
@@ -80,7 +83,7 @@ def move_in_plane(p: Record, s: Record, step: float) -> None:
     along, across, turn = force_x * p.inverse_mass, force_y * p.inverse_mass, s.yaw_rate
     acceleration_x = along + s.lateral_speed * turn - GRAVITY * (p.grade + s.grade)
     acceleration_y = across - s.speed * turn - GRAVITY * (p.bank + s.bank)
-    s.yaw_acceleration = moment * p.inverse_yaw
+    s.yaw_acceleration = (moment - s.roll_rate * s.spin_momentum) * p.inverse_yaw
     s.speed = max(s.speed + step * acceleration_x, 0.0)
     s.lateral_speed += step * acceleration_y
     s.yaw_rate += step * s.yaw_acceleration

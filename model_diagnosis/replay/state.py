@@ -24,6 +24,7 @@ _BODY = (
     "acceleration_y",
     "force_x",  # of tyres and air, body axes
     "force_y",
+    "spin_momentum",  # of all wheels about their axes
     # inputs of this step
     "drive_front",
     "drive_rear",
@@ -50,6 +51,7 @@ _WHEELS = (
     "lagged_torque",
     "brake_torque",
     "drive_torque",
+    "rolling_torque",
     "disc_temperature",
     "disc_angle",
     "tyre_heat",  # rise of the tread's temperature

@@ -138,4 +138,5 @@ def _spin(
         new = (momentum - math.copysign(step * capacity, momentum)) / (inertia + step * radius * slope)
     s.spin[i], s.spin_rate[i] = new, (new - omega) / step
     s.brake_torque[i] = min(friction, brake)
+    s.rolling_torque[i] = friction - s.brake_torque[i]
     return force_x + slope * (new - omega)

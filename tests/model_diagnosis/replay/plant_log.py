@@ -111,7 +111,7 @@ def pulsed_stop(time: float) -> tuple[Sequence[float], float, float]:
     if time < 0.5:
         return [0.0] * 4, 0.0, 0.0
     phase = (time * 5.0) % 1.0
-    front = 6e6 + 5e6 * (1.0 - phase if phase > 0.35 else phase / 0.35)
+    front = 6e6 + 5e6 * ((1.0 - phase) / 0.65 if phase > 0.35 else phase / 0.35)
     return [front, front, 0.5 * front, 0.5 * front], 0.0, 0.0
 
 
