@@ -49,6 +49,7 @@ from estimators.attitude_memory import (
     RESETS,
     SAMPLE_TIME,
     SAMPLES,
+    SETTLING_TICKS,
     SMOOTHING,
     STALE_AGE,
     STUDENT,
@@ -79,6 +80,9 @@ from signals.catalogue import block_slice, index_of
 
 _CHUNK = 4096
 """Rows that a replay hands to compiled code at a time."""
+
+_SETTLING = 0.4
+"""Periods of the cut-off frequency after which a low-pass has forgotten five sixths of its start."""
 
 _DIFFERENCES = np.array([1e-5, 1e-5, 1e-3, 1e-3, 1e-6, 1e-6, 1e-6, 1e-3, 1e-3, 1e-3])
 """Steps of the Jacobians' differences, in units of the full vector."""
@@ -150,6 +154,7 @@ class AttitudeFilter(Estimator):
         t[ELEVATION_POLE] = share / (1.0 + share)
         self.memory.coefficients[0] = butterworth(settings.low_pass, sample_time_s)
         self.memory.coefficients[1] = butterworth(settings.low_pass_speed, sample_time_s)
+        t[SETTLING_TICKS] = _SETTLING / (settings.low_pass * sample_time_s)
         t[DELAY] = math.sqrt(2.0) / (2.0 * math.pi * settings.low_pass)
         self.memory.matrices[0], self.memory.matrices[1] = settings.gyro_matrix, settings.accelerometer_matrix
 

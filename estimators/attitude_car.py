@@ -85,7 +85,7 @@ def attitude_car(vehicle: Mapping[str, float], settings: AttitudeSettings) -> ND
 
 
 def _roll_gradient(vehicle: Mapping[str, float], springs: np.void) -> float:
-    """Roll per lateral acceleration [rad/(m/s^2)] of a body on its suspension, and of suspension and wheels on tyres."""
+    """Roll per lateral acceleration [rad/(m/s^2)] of a body on its suspension, and of all on the tyres."""
     moment = springs["sprung_mass"] * springs["roll_arm"]
     tyres = 0.0
     for axle, wheels in (("front", WHEELS[:2]), ("rear", WHEELS[2:])):

@@ -55,8 +55,9 @@ STATUS = 12
     TARGET,
     GRAVITY,
     REPORTED,
-) = range(26)
-TUNING = 26
+    SETTLING_TICKS,
+) = range(27)
+TUNING = 27
 
 
 class Memory(NamedTuple):

@@ -48,8 +48,8 @@ class AttitudeSettings(FileModel):
     form: FormName = Field(
         default="car_y",
         description="1A to 1D: two-wheeler without pitch gyroscope; 2A to 2C: with it, wheel loads and road slope; "
-        "-light: without the wheel loads; car: the document's car, lateral offset virtual; car_x, car_y, car_z: with pitch "
-        "and all offsets, that accelerometer's virtual",
+        "-light: without the wheel loads; car: the document's car, lateral offset virtual; car_x, car_y, car_z: with "
+        "pitch and all offsets, that accelerometer's virtual",
     )
     speed_source: SpeedSource = Field(
         default="usual",
@@ -121,7 +121,7 @@ class AttitudeSettings(FileModel):
             value = abs(_determinant(getattr(self, name)))
             if not value >= SMALLEST_DETERMINANT:
                 raise FieldError(
-                    "axes that do not span the three directions",
+                    f"{name}: axes that do not span the three directions",
                     at=(name,),
                     found=f"a determinant of {value:.3g}",
                     allowed=f"at least {SMALLEST_DETERMINANT:g}",
@@ -191,7 +191,7 @@ class AttitudeBankSettings(AttitudeSettings):
         given = self.virtual_offsets
         if given and (len(given) < 2 or min(given) == max(given)):
             raise FieldError(
-                "a bank whose filters are all told the same",
+                "virtual_offsets: a bank whose filters are all told the same",
                 at=("virtual_offsets",),
                 found=str(given),
                 allowed="2 or more numbers of which two differ",
@@ -290,6 +290,6 @@ ATTITUDE_OUTPUTS: tuple[Output, ...] = (
     Output("vertical_load_front", "N", "load of the front wheel, forms 2A to 2C"),
     Output("vertical_load_rear", "N", "load of the rear wheel, forms 2A to 2C"),
     Output("elevation_angle", "rad", "angle of the body to the road by its springs, positive nose down, 2A to 2C"),
-    Output("road_slope", "rad", "slope of the road, positive downhill, forms 2A to 2C"),
+    Output("road_slope", "rad", "slope of the road, positive downhill, forms 2A to 2C-light"),
     Output("innovation", "1", "normalised innovation squared of the last step, weighted mean of the filters"),
 )

@@ -47,6 +47,7 @@ from estimators.attitude_memory import (
     RESETS,
     SAMPLE_TIME,
     SAMPLES,
+    SETTLING_TICKS,
     SMOOTHING,
     STALE_AGE,
     STEPS,
@@ -158,7 +159,7 @@ def _sense(a: Memory, guard: FloatArray) -> None:
             _settle(a.filtered[channel], a.coefficients[row], value)
         else:
             _pass(a.filtered[channel], a.coefficients[row], value)
-    a.status[FILTERING] = 1.0
+    a.status[FILTERING] += 1.0
 
 
 @njit(cache=True)
@@ -299,6 +300,8 @@ def _step(a: Memory, bike: Any, car: Any, guard: FloatArray, first: bool) -> boo
     _recentre(a)
     if a.tuning[LOOP] > 0.0:
         _close_loop(a, bike)
+    elif a.tuning[CAR] == 0.0:
+        a.loads[L_SLOPE] = road_slope(a.combined[THETA], a.combined[PHI], 0.0)
     return True
 
 
@@ -366,7 +369,8 @@ def attitude_tick(
     if a.sources[_ABS_SOURCE] >= 0:
         age, reported = ages[a.sources[_ABS_AGE]], inputs[a.sources[_ABS_SOURCE]]
         status[ABS] = 1.0 if 0.0 <= age <= t[STALE_AGE] and 0.5 < reported <= 1.0 else 0.0
-    if measured_speed(a, guard) < t[MINIMUM_SPEED]:
+    # the first sample, on which the low-passes start, is as noisy as any
+    if status[FILTERING] < t[SETTLING_TICKS] or measured_speed(a, guard) < t[MINIMUM_SPEED]:
         status[ACTIVE] = 0.0
         _report(a, guard, out)
         return

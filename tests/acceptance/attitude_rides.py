@@ -20,7 +20,8 @@ SEEDS = (101, 102, 103, 104, 105, 106)
 ONSET_S, JUDGED_S = 30.0, 90.0
 DEGREE = float(np.deg2rad(1.0))
 STEP = 5
-"""Samples between two steps of the filters."""
+STEPPED = slice(4, None, STEP)
+"""Samples between two steps of the filters; rows in which they step, the first at the 25th sample."""
 _LOW_PASS = butter(2, 8.0, fs=1.0 / SAMPLE_S)
 
 
@@ -89,23 +90,21 @@ def observe(
     built = create(name, car or numbers(), settings, SAMPLE_S)
     columns = {key: values for key, values in measured.items() if key in built.inputs}
     columns["abs_active"] = np.zeros(len(source.time))
-    results = built.replay(columns)[::STEP]
+    results = built.replay(columns)[STEPPED]
     found = {signal.name.partition(".")[2]: results[:, k] for k, signal in enumerate(built.outputs)}
     truth = {
-        "roll_angle": delayed(source.roll_angle)[::STEP],
-        "pitch_angle": delayed(source.pitch_angle)[::STEP],
-        "elevation_angle": delayed(source.elevation)[::STEP],
-        "road_slope": delayed(source.slope)[::STEP],
+        "roll_angle": delayed(source.roll_angle)[STEPPED],
+        "pitch_angle": delayed(source.pitch_angle)[STEPPED],
+        "elevation_angle": delayed(source.elevation)[STEPPED],
+        "road_slope": delayed(source.slope)[STEPPED],
     }
-    return Estimate(source.time[::STEP], found, truth)
+    return Estimate(source.time[STEPPED], found, truth)
 
 
 def offsets(**values: float) -> dict[str, float]:
     """Offsets of sensors by short names: roll, pitch, yaw in degree/s, x, y, z in mG."""
     axes = {"x": "longitudinal_acceleration", "y": "lateral_acceleration", "z": "vertical_acceleration"}
-    return {
-        axes.get(key, f"{key}_rate"): value * (MILLI_G if key in axes else DEGREE) for key, value in values.items()
-    }
+    return {axes.get(key, f"{key}_rate"): value * (MILLI_G if key in axes else DEGREE) for key, value in values.items()}
 
 
 def grid(*values_mg: float) -> list[float]:
@@ -126,4 +125,3 @@ def noise(y: float, z: float, speed: float, balance: float | None = None) -> dic
 def mean_of(values: Sequence[float]) -> float:
     """Mean over the seeds."""
     return float(np.mean(values))
-

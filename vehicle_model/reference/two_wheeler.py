@@ -128,8 +128,9 @@ def random_profiles(seed: int, *, seconds: float = 150.0, sloped: bool = False, 
         Multiplies the lean angle; 0 rides straight on.
     """
     random = np.random.default_rng(seed)
-    time = SAMPLE_S * np.arange(round(seconds / SAMPLE_S) // 2 * 2 + 1)
-    lean, now, at = np.zeros(len(time)), 0.0, STRAIGHT_S
+    time = _samples(round(seconds / SAMPLE_S) // 2 * 2 + 1)
+    now, at = 0.0, STRAIGHT_S
+    lean: FloatArray = np.zeros(len(time))
     side = 1.0 if random.random() < 0.5 else -1.0
     while at < seconds:
         target = side * np.deg2rad(random.uniform(12.0, 38.0))
@@ -138,21 +139,27 @@ def random_profiles(seed: int, *, seconds: float = 150.0, sloped: bool = False, 
         lean += (target - now) * _smooth_step((time - at) / takes)
         at += takes + random.uniform(1.0, 3.0)
         now, side = target, -side
-    speed, at, pace = np.full(len(time), random.uniform(13.0, 20.0)), 3.0, 0.0
-    pace = float(speed[0])
+    pace, at = random.uniform(13.0, 20.0), 3.0
+    speed: FloatArray = np.full(len(time), pace)
     while at < seconds:
         target = random.uniform(11.0, 24.0)
         takes = max(2.1875 * abs(target - pace) / random.uniform(1.0, 3.5), 1.0)
         speed += (target - pace) * _smooth_step((time - at) / takes)
         at += takes + random.uniform(0.5, 3.0)
         pace = target
-    slope, at, now = np.zeros(len(time)), 5.0, 0.0
+    at, now = 5.0, 0.0
+    slope: FloatArray = np.zeros(len(time))
     while sloped and at < seconds:
         target, takes = random.uniform(-0.06, 0.06), random.uniform(4.0, 8.0)
         slope += (target - now) * _smooth_step((time - at) / takes)
         at += takes + random.uniform(1.0, 4.0)
         now = target
     return Profiles(lean_scale * lean, speed, slope)
+
+
+def _samples(n: int) -> FloatArray:
+    """Times of n samples [s]."""
+    return SAMPLE_S * np.arange(n, dtype=np.float64)
 
 
 def _smooth_step(x: FloatArray) -> FloatArray:
@@ -177,7 +184,8 @@ def random_ride(
     Parameters
     ----------
     contact
-        Wheel whose contact point does not slide sideways, and whose speed is measured.
+        Wheel whose contact point does not slide sideways, and whose speed is measured. With the front one the last
+        half second settles.
     drag_area : float
         c_d A of a drag at the mass centre [m^2].
 
@@ -201,7 +209,7 @@ def ride(
     """Ride along given profiles; arguments as of :func:`random_ride`."""
     rows = _record(vehicle, contact)
     rows[0]["drag"] = 0.5 * vehicle.aerodynamics.air_density * drag_area
-    time = SAMPLE_S * np.arange(len(profiles.lean))
+    time = _samples(len(profiles.lean))
     table = np.zeros((len(time), 4, 3))
     table[:, P_ROLL], table[:, P_SPEED] = _derived(time, profiles.lean), _derived(time, profiles.speed)
     results = np.zeros((len(time), 14))
@@ -211,7 +219,7 @@ def ride(
         table[:, P_ELEVATION] = _derived(time, elevation)
         table[:, P_PITCH] = _derived(time, pitch_on(profiles.slope, elevation, profiles.lean))
         coarse = np.zeros((len(time) + 1) // 2)
-        solve_yaw(rows, table, SAMPLE_S, coarse)
+        solve_yaw(rows, table, SAMPLE_S, coarse, contact == "front")
         spline = make_interp_spline(time[::2], coarse, k=5)
         yaw[:, 0], yaw[:, 1] = spline(time), spline(time, 1)
         ride_along(rows, table, yaw, results)

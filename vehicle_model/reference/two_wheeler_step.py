@@ -138,7 +138,7 @@ def _yaw_rise(p: Any, profile: FloatArray, yaw_rate: float, v: FloatArray, spare
 
 
 @njit(cache=True)
-def solve_yaw(p_rows: Any, profiles: FloatArray, step: float, yaw_rates: FloatArray) -> None:
+def solve_yaw(p_rows: Any, profiles: FloatArray, step: float, yaw_rates: FloatArray, backwards: bool) -> None:
     """Yaw rate at every second sample by fourth-order Runge-Kutta over two samples.
 
     Parameters
@@ -146,18 +146,24 @@ def solve_yaw(p_rows: Any, profiles: FloatArray, step: float, yaw_rates: FloatAr
     profiles : array, shape (n, 4, 3)
         n odd.
     yaw_rates : array, shape ((n + 1)/2,)
+    backwards : bool
+        From the last sample to the first. The yaw rate that a constraint at the front wheel asks for can be found no
+        other way: forwards its error grows, as it does for a car that drives in reverse.
     """
     p = p_rows[0]
     v, spare = np.zeros(WORK), np.zeros((4, 3))
-    h, now = 2.0 * step, 0.0
-    yaw_rates[0] = now
-    for k in range(yaw_rates.shape[0] - 1):
-        k1 = _yaw_rise(p, profiles[2 * k], now, v, spare)
-        k2 = _yaw_rise(p, profiles[2 * k + 1], now + 0.5 * h * k1, v, spare)
-        k3 = _yaw_rise(p, profiles[2 * k + 1], now + 0.5 * h * k2, v, spare)
-        k4 = _yaw_rise(p, profiles[2 * k + 2], now + h * k3, v, spare)
+    n = yaw_rates.shape[0]
+    way, at = (-1, n - 1) if backwards else (1, 0)
+    h, now = 2.0 * step * way, 0.0
+    yaw_rates[at] = now
+    for _ in range(n - 1):
+        k1 = _yaw_rise(p, profiles[2 * at], now, v, spare)
+        k2 = _yaw_rise(p, profiles[2 * at + way], now + 0.5 * h * k1, v, spare)
+        k3 = _yaw_rise(p, profiles[2 * at + way], now + 0.5 * h * k2, v, spare)
+        k4 = _yaw_rise(p, profiles[2 * (at + way)], now + h * k3, v, spare)
         now += h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
-        yaw_rates[k + 1] = now
+        at += way
+        yaw_rates[at] = now
 
 
 @njit(cache=True)
