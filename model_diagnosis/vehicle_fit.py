@@ -13,7 +13,7 @@ import numpy as np
 
 from model_diagnosis.data.checks import check_data
 from model_diagnosis.evidence.base import fit_base
-from model_diagnosis.evidence.priors import Priors, stated_scatter
+from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.search import ratios
 from model_diagnosis.extension.car_change import change_of, is_of_the_car
 from model_diagnosis.manoeuvre import Manoeuvre
@@ -84,21 +84,18 @@ def fit_vehicle(
     """
     faults, repaired = check_data(manoeuvres, vehicle, Replay)
     replay = Replay(vehicle, repaired)
-    stated = stated_scatter(replay.parameters, vehicle.scatter, lambda column: replay.physical(column, 0.0)[2])
-    base = fit_base(replay, Priors.of(replay.parameters, stated), progress)
+    base = fit_base(replay, Priors.of(replay.parameters), progress)
     problem, theta = base.problem, base.nothing.theta
     quadratic = problem.quadratic(base.at_nothing, problem.rows(theta), theta)
     _, covariance = quadratic.posterior(ratios(problem, ()))
     left = problem.scale * np.sqrt(np.diag(covariance))
     calibrated = []
     for column, parameter in enumerate(replay.parameters):
-        effect = replay.effects[replay.owner[column]]
-        informed = stated[column] > 0.0 and left[column] <= INFORMED * stated[column]
+        effect, stated = replay.effects[replay.owner[column]], parameter.nuisance_std
+        informed = stated > 0.0 and left[column] <= INFORMED * stated
         if informed and parameter.vehicle_path and is_of_the_car(effect):
-            open_std = max(float(left[column]), LEAST_SCATTER * float(stated[column]))
-            calibrated.append(
-                _calibrated(vehicle, replay, column, float(theta[column]), open_std, float(stated[column]))
-            )
+            open_std = max(float(left[column]), LEAST_SCATTER * stated)
+            calibrated.append(_calibrated(vehicle, replay, column, float(theta[column]), open_std, stated))
     calibrated.sort(key=lambda one: -abs(one.scatters_off))
     return VehicleFit(calibrated, _misfit(replay, theta), faults)
 

@@ -4,7 +4,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
@@ -12,9 +12,11 @@ from rich.table import Table
 from bench.diagnosis.diagnosing import Progress, car_name, read
 from bench.diagnosis_report.words import plain, signal_words
 from bench.report.formatting import number
-from model_diagnosis.vehicle_fit import Calibrated, VehicleFit
 from signals.measured.channel_map import load_channel_map
 from vehicle_model.vehicle_file import VehicleFile, load_vehicle
+
+if TYPE_CHECKING:
+    from model_diagnosis.vehicle_fit import Calibrated, VehicleFit
 
 _HEADER = "Calibrated by `bench vehicle fit` on logs of a healthy car; `scatter` is what the logs leave open."
 
@@ -23,7 +25,7 @@ _HEADER = "Calibrated by `bench vehicle fit` on logs of a healthy car; `scatter`
 class FittedVehicle:
     """Result and file of a fit."""
 
-    fit: VehicleFit
+    fit: "VehicleFit"
     file: Path
 
     def as_json(self) -> dict[str, Any]:
@@ -75,7 +77,9 @@ def fit(
     return FittedVehicle(result, path)
 
 
-def write_fitted(path: Path, vehicle_argument: str, vehicle: VehicleFile, fit: VehicleFit, logs: Sequence[str]) -> None:
+def write_fitted(
+    path: Path, vehicle_argument: str, vehicle: VehicleFile, fit: "VehicleFit", logs: Sequence[str]
+) -> None:
     """Write the vehicle file: the given one with the calibrated values as an extension, and their scatter."""
     from ruamel.yaml import YAML
 
@@ -121,7 +125,7 @@ def print_fit(result: FittedVehicle, console: Console) -> None:
     console.print(f"next: bench diagnose LOG --vehicle {result.file}", markup=False)
 
 
-def _extension(one: Calibrated) -> dict[str, Any]:
+def _extension(one: "Calibrated") -> dict[str, Any]:
     return {
         "effect": one.effect,
         "parameters": dict(one.values),

@@ -39,7 +39,7 @@ def read_manoeuvres(paths: Sequence[str | Path], channel_map: ChannelMap, vehicl
     logs = [read_samples(path, channel_map, vehicle) for path in paths]
     found = {name for log in logs for name in log}
     missing = _missing(paths, channel_map, sorted(found))
-    _require_motion(paths, found)
+    _require_motion(paths, found, missing)
     manoeuvres: list[Manoeuvre] = []
     for drive in join_loggers(logs):
         checked, faults = check_samples(drive.channels)
@@ -75,12 +75,13 @@ def _missing(paths: Sequence[str | Path], channel_map: ChannelMap, found: Sequen
     return faults
 
 
-def _require_motion(paths: Sequence[str | Path], found: set[str]) -> None:
+def _require_motion(paths: Sequence[str | Path], found: set[str], missing: Sequence[DataFault]) -> None:
     if not any(is_motion(name) or name.startswith(_FORCES) for name in found):
         raise InputError(
             f"{', '.join(str(p) for p in paths)}: no channel that the car's motion shows in",
             found=", ".join(sorted(found)) or "no channel of the map",
             allowed="at least one of wheel_speed_*, speed, longitudinal_acceleration, lateral_acceleration, yaw_rate",
+            mend="\n".join(fault.message for fault in missing[:3]),
         )
 
 
