@@ -1,15 +1,10 @@
 """The generator's simulator against closed forms: energy, stopping distance, steady circle, load transfer, pitch."""
 
 import math
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from hidden_effects.car import GRAVITY_M_S2, Numbers, as_record, nominal_car
 from hidden_effects.chassis import pitch_rates
 from hidden_effects.manoeuvres import HELD_OUT, SIX, Script, nothing, ramps

@@ -1,13 +1,7 @@
 """Statistics of the generator's logs: noise and its colour, quantisation, jitter, losses, clocks, faults, scatter."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from hidden_effects.car import DATA_SHEET, as_record, draw_car, nominal_car
 from hidden_effects.data_faults import FAULTS, Fault
 from hidden_effects.manoeuvres import SIX

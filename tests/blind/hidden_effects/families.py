@@ -30,7 +30,7 @@ FAMILIES = (*SHARES, "detection")
 
 @dataclass(frozen=True)
 class LookAlike:
-    """A pair that some data cannot separate: true effect, its twin, channels and manoeuvres that are left out for it."""
+    """A pair that some data cannot separate: true effect, its twin, and the channels or manoeuvres left out for it."""
 
     effect: str
     twin: str

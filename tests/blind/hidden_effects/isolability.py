@@ -115,11 +115,11 @@ def effect_column(effect: HiddenEffect, place: int, point: Point) -> FloatArray:
     return point.change(car, chain) / step
 
 
-def nominal_point(missing: Sequence[str] = ()) -> Point:
-    """The nominal car in the shipped set."""
+def nominal_point(missing: Sequence[str] = (), scripts: Sequence[Script] = SIX) -> Point:
+    """The nominal car in manoeuvres, by default the shipped set."""
     chain = {name: np.array(number.nominal, float) for name, number in SENSOR_SHEET.items()}
     car = nominal_car()
-    return Point(car, chain, tuple(scene(car, chain, script) for script in SIX), compared_channels(missing))
+    return Point(car, chain, tuple(scene(car, chain, script) for script in scripts), compared_channels(missing))
 
 
 def scatter_columns(point: Point) -> FloatArray:

@@ -1,0 +1,117 @@
+"""Cases: the same seed gives the same case, families in their shares, sizes in scatters, values as they act."""
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+from generate import main
+from hidden_effects.case import Case
+from hidden_effects.effects import EFFECTS, SMALLEST_UNITS
+from hidden_effects.families import SHARES, draw, family_of
+from hidden_effects.isolability import detection_limit, expected_evidence, nominal_point, scatter_columns
+from hidden_effects.manoeuvres import HELD_OUT, SIX
+from hidden_effects.sealing import seal_of
+from hidden_effects.special_effects import UNEXCITED
+
+CSV_CASE = next(index for index in range(9) if Case(3, index, "clean", "first").format == "csv")
+
+
+def test_families_come_in_their_shares_from_the_first_cases_on() -> None:
+    counts = Counter(family_of(index, None) for index in range(200))
+    assert counts == SHARES
+    assert set(SHARES) == {family_of(index, None) for index in range(60)}
+    assert {family_of(index, "clean") for index in range(5)} == {"clean"}
+
+
+def test_sizes_lie_between_the_limit_and_the_largest_in_the_directions_that_make_sense() -> None:
+    random = np.random.default_rng(3)
+    seen: Counter[str] = Counter()
+    for _ in range(600):
+        (hidden,) = draw("single", random).effects
+        effect = hidden.effect
+        assert SMALLEST_UNITS <= effect.smallest <= hidden.units <= effect.largest * 1.0001
+        assert np.sign(hidden.deviation) in effect.signs
+        seen[effect.name] += 1
+    assert len(seen) == len(EFFECTS)
+
+
+def test_small_effects_stay_below_the_limit() -> None:
+    random = np.random.default_rng(3)
+    assert all(h.units <= h.effect.smallest for _ in range(50) for h in draw("detection", random).effects)
+
+
+def test_no_channel_that_an_effect_needs_is_missing_and_a_fifth_of_the_cases_misses_one() -> None:
+    random = np.random.default_rng(4)
+    draws = [draw("single", random) for _ in range(800)]
+    missing = [one for one in draws if one.missing]
+    assert len(missing) / len(draws) == pytest.approx(0.2, abs=3.3 * np.sqrt(0.2 * 0.8 / 800))
+    assert all(not set(one.missing) & {n for h in one.effects for n in h.effect.needs} for one in missing)
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
+def test_every_effect_changes_car_or_chain_and_leaves_the_given_ones_alone(effect: object) -> None:
+    case = Case(1, 0, "clean", "first")
+    car, chain = dict(case.car), dict(case.chain)
+    before = {name: value.copy() for name, value in (case.car | case.chain).items()}
+    effect.change(car, chain, effect.signs[-1] * 4.0 * effect.scatter, 0)  # type: ignore[attr-defined]
+    changed = [n for n, value in (car | chain).items() if not np.array_equal(value, before[n])]
+    assert changed
+    assert all(np.array_equal(value, before[name]) for name, value in (case.car | case.chain).items())
+
+
+def test_the_same_seed_writes_the_same_logs_under_another_salt(tmp_path: Path) -> None:
+    texts = []
+    for name in ("one", "other"):
+        out, sealed = tmp_path / name, tmp_path / f"{name}_sealed"
+        words = ["cases", "--seed", "3", "--n", "9", "--only", str(CSV_CASE), "--family", "clean"]
+        assert main([*words, "--out", str(out), "--sealed", str(sealed)]) == 0
+        label = json.loads((sealed / f"case_{CSV_CASE:04d}.json").read_text())
+        assert (
+            seal_of(label["salt"], label["label"]) == (out / f"case_{CSV_CASE:04d}" / "seal.sha256").read_text().strip()
+        )
+        logs = sorted((out / f"case_{CSV_CASE:04d}").rglob("*.csv"))
+        texts.append((label["label"], [path.read_bytes() for path in logs], label["salt"]))
+        assert len(logs) == len(SIX) + len(HELD_OUT)
+    assert texts[0][:2] == texts[1][:2]
+    assert texts[0][2] != texts[1][2]
+
+
+def test_labels_stay_out_of_the_case_folders(tmp_path: Path) -> None:
+    words = ["cases", "--seed", "3", "--n", "1", "--out", str(tmp_path / "a"), "--sealed", str(tmp_path / "b")]
+    assert main(words) == 0
+    name = json.loads((tmp_path / "b" / "case_0000.json").read_text())["label"]["effects"][0]["name"]
+    files = [path for path in (tmp_path / "a").rglob("*") if path.is_file() and path.suffix in (".yaml", ".json")]
+    assert files
+    assert all(name not in path.read_text() for path in files)
+
+
+def test_a_label_tells_the_physical_value_scatter_included() -> None:
+    """Mass off by its scatter and by the effect: (1 + s d) (1 + effect)."""
+    for index in range(400):
+        case = Case(21, index, "single", "first")
+        if case.draw.effects[0].effect.name == "mass_change":
+            label = case.label()
+            deviation = case.draw.effects[0].deviation
+            expected = (1.0 + 0.03 * case.deviations["mass"]) * (1.0 + deviation)
+            assert label["effects"][0]["value"] == pytest.approx(expected)
+            return
+    pytest.fail("400 singles without a changed mass")
+
+
+def test_expected_evidence_of_a_shift_within_the_scatter_is_bounded_by_its_prior() -> None:
+    """A change along a nuisance column of one scatter: 4 scatters give at most 4^2 / 2 however good the data."""
+    column = np.array([[30.0], [40.0]])
+    assert expected_evidence(4.0 * column[:, 0], column) == pytest.approx(8.0 * 2500.0 / 2501.0)
+    assert expected_evidence(np.array([40.0, -30.0]), column) == pytest.approx(1250.0)
+
+
+def test_theory_finds_what_scatter_alone_limits_and_what_no_manoeuvre_excites() -> None:
+    """A sensor far better than its scatter is limited by that: sqrt(2 * 8) scatters; cold brakes cannot fade."""
+    point = nominal_point(scripts=(SIX[3],))
+    nuisance = scatter_columns(point)
+    gyro = next(one for one in EFFECTS if one.name == "gyro_offset")
+    assert 4.0 < detection_limit(gyro, point, nuisance) < 5.0
+    fade = next(one for one in UNEXCITED if one.name == "brake_pad_fade")
+    assert detection_limit(fade, point, nuisance) > 1e3
