@@ -24,12 +24,14 @@ from model_diagnosis.evidence.localise import violated_equations
 from model_diagnosis.evidence.lookalikes import look_alikes
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.search import Search, linear_evidence, ratios
-from model_diagnosis.evidence.selection import Selection, Selector
+from model_diagnosis.evidence.selection import Accepted, Selection, Selector
+from model_diagnosis.evidence.structure import are_forced_together
 from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
 from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, compare
 from model_diagnosis.findings import Findings
 from model_diagnosis.held_out import gain_of, noise_std
 from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.next_manoeuvre import next_manoeuvre
 from model_diagnosis.pictures import manoeuvre_findings
 from model_diagnosis.replay import Replay
 from model_diagnosis.replay.equations import errors_of
@@ -167,8 +169,11 @@ class _Pipeline:
         details = [] if is_wrong else self._causes(search, selection)
         shown = excitation(base.problem, base.at_nothing.information, needed)
         guilty = self._guilty(selection.nothing.theta, base)
+        self.clock.begin("plan")
+        following = next_manoeuvre(self.vehicle, self.replay, search, selection, details)
         self.clock.begin("gain")
         answer = self._diagnosis(search, selection, details, wrong if is_wrong else None, shown, guilty, needed)
+        answer.next_manoeuvre = following
         findings = self._findings(answer, base, selection, search)
         self.clock.begin("")
         answer.timing_s.update(self.clock.seconds)
@@ -191,8 +196,19 @@ class _Pipeline:
         return Search(base.problem, hypotheses), threshold(maxima, int(excited.sum()))
 
     def _causes(self, search: Search, selection: Selection) -> list[CauseDetail]:
-        alike = [look_alikes(search, selection, one) for one in selection.accepted]
+        alike = [look_alikes(search, selection, one, self._forced(one)) for one in selection.accepted]
         return causes(search, selection, alike, self.replay.physical)
+
+    def _forced(self, accepted: Accepted) -> list[int]:
+        """Effects that these channels cannot tell from an accepted one on any data."""
+        channels = {name for manoeuvre in self.replay.manoeuvres for name in manoeuvre.channels}
+        effects = self.replay.effects
+        own = effects[accepted.hypothesis.effect].name
+        return [
+            k
+            for k, effect in enumerate(effects)
+            if effect.name != own and are_forced_together(channels, own, effect.name)
+        ]
 
     def _guilty(self, theta: FloatArray, base: Base) -> dict[str, float]:
         errors = [errors_of(self.replay, theta, number) for number in range(len(self.replay.manoeuvres))]

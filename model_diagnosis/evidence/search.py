@@ -18,6 +18,8 @@ FloatArray = NDArray[np.float64]
 FROM_BASE, FROM_SATURATED, FROM_GRID = 3, 2, 3
 GRID = (-1.5, -0.75, 0.75, 1.5)
 CORRELATED_NUISANCES = 12
+EFFECTS_ON_GRID_FIRST, EFFECTS_ON_GRID = 20, 8
+"""Effects, by linear evidence, whose grid is replayed in the first step and in later ones."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +134,11 @@ class Search:
             linear = linear_evidence(self.problem, quadratic, self.hypotheses, stage.accepted)
             for number in self._top(linear, open_ones, FROM_SATURATED):
                 starts.setdefault(number, []).append(self._linear_start(quadratic, stage, number))
-        for number, start in self._grid(stage, open_ones):
+        linear = stage.linear if saturated is None else np.maximum(stage.linear, linear)
+        count = EFFECTS_ON_GRID if stage.accepted else EFFECTS_ON_GRID_FIRST
+        on_grid = {self.hypotheses[number].effect for number in self._top(linear, open_ones, count)}
+        near = [number for number in open_ones if self.hypotheses[number].effect in on_grid]
+        for number, start in self._grid(stage, near):
             starts.setdefault(number, []).append(start)
         return [Candidate(self.hypotheses[number], tuple(points)) for number, points in starts.items()]
 
@@ -158,7 +164,7 @@ class Search:
         """Best fit over the starts by chords, then again with fresh columns where it counts."""
         chosen = (*stage.accepted, candidate.hypothesis)
         best = min((self.fit_set(chosen, stage.linearisation, start) for start in candidate.starts), key=_cost)
-        columns = self._related(stage.linearisation, candidate.hypothesis, stage.accepted)
+        columns = self.related(stage.linearisation, candidate.hypothesis, stage.accepted)
         linearisation = self.problem.refreshed(stage.linearisation, best.theta, columns)
         fit = self.fit_set(chosen, linearisation, best.theta)
         return fit, self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta), columns
@@ -203,11 +209,13 @@ class Search:
         return self.hypotheses[number].effect not in taken
 
     def _top(self, evidence: FloatArray, open_ones: Sequence[int], count: int) -> list[int]:
-        """Best hypotheses of the ``count`` best effects."""
-        best: dict[int, int] = {}
+        """Best hypotheses of the ``count`` best effects; of a discrete effect every value."""
+        best: dict[int, list[int]] = {}
         for number in sorted(open_ones, key=lambda one: -evidence[one]):
-            best.setdefault(self.hypotheses[number].effect, number)
-        return list(best.values())[:count]
+            known = best.setdefault(self.hypotheses[number].effect, [])
+            if not known or self.hypotheses[number].value is not None:
+                known.append(number)
+        return [number for known in list(best.values())[:count] for number in known]
 
     def _linear_start(self, quadratic: Quadratic, stage: Stage, number: int) -> FloatArray:
         mean, _ = quadratic.posterior(ratios(self.problem, (*stage.accepted, self.hypotheses[number])))
@@ -250,7 +258,7 @@ class Search:
         start[chosen] += step * self.problem.scale[chosen]
         return self.problem.cost(rows, theta, widths) - float(gradient[chosen] @ step), start
 
-    def _related(
+    def related(
         self, linearisation: Linearisation, hypothesis: Hypothesis, accepted: Sequence[Hypothesis]
     ) -> list[int]:
         """Columns to compute anew for a refit: its own, the accepted ones and those that look most like its own."""

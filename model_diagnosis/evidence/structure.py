@@ -33,6 +33,10 @@ _BRAKE = (
 _TORQUE = "rolling_resistance engine_braking driveline_drag wheel_inertia_reflected differential_locking"
 _TYRE_X = "tyre_friction tyre_longitudinal_stiffness tyre_load_sensitivity tyre_peak_shape tyre_temperature_fade"
 _TYRE_Y = "tyre_friction tyre_cornering_stiffness tyre_load_sensitivity tyre_camber_conicity tyre_relaxation_length"
+_HYDRAULICS = (
+    "inlet_valve_conductance outlet_valve_conductance inlet_valve_delay outlet_valve_delay caliper_air hydraulic_leak "
+    "pump_rate low_pressure_accumulator_full circuit_failure"
+)
 _PRESSURE = "pressure_sensor_scale pressure_sensor_offset pressure_sensor_lag"
 
 SAME_TERM: tuple[frozenset[str], ...] = (
@@ -105,6 +109,7 @@ def sensors() -> Mapping[str, tuple[Equation, ...]]:
             f"vertical_load_{wheel}": _equation(f"force wheel z_{wheel}", f"load_{wheel}"),
         }
     known: dict[str, tuple[Equation, ...]] = {channel: (equation,) for channel, equation in single.items()}
+    known["master_pressure"] = tuple(_equation(f"hydraulics_{w}", f"pressure_{w}", _HYDRAULICS) for w in WHEELS)
     for axle, wheels in (("f", WHEELS[:2]), ("r", WHEELS[2:])):
         known[f"drive_torque_{axle}"] = tuple(_equation(f"drive_{wheel}", f"drive_{wheel}") for wheel in wheels)
     return known
