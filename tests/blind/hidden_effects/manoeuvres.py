@@ -24,7 +24,7 @@ class Script:
 
     def drive(self) -> Drive:
         """The script at the simulator's steps."""
-        time = np.arange(round(self.duration_s / STEP_S)) * STEP_S
+        time: FloatArray = np.arange(round(self.duration_s / STEP_S), dtype=np.float64) * STEP_S
         values = (self.pedal_n(time), self.steering_wheel_rad(time), self.drive_torque_nm(time))
         return Drive(self.speed, *(np.broadcast_to(value, time.shape).astype(float).copy() for value in values))
 

@@ -23,6 +23,10 @@ SLOWEST_RELAXATION_SPEED_M_S = 1.0
 BOOSTER_LAG_S = 0.05
 STEERING_LAG_S = 0.0075
 DRIVING_NM = 1.0
+BRAKING_N = 5.0
+BEYOND_KNEE = 0.15
+ACCUMULATOR_M3 = 4e-6
+CONTROLLER_RADIUS_M = 0.278
 TREAD_HEAT_CAPACITY_J_K = 5400.0
 TREAD_COOLING_W_K = 90.0
 PULL_SPEED, PULL_WHEEL, PULL_PRESSURE = 0.1, 0.3, 0.3
@@ -37,6 +41,21 @@ _MASTER, _PUMP = INDEX["master_pressure"], INDEX["pump"]
 _COLUMNS = len(OUTPUTS)
 
 FloatArray = NDArray[np.float64]
+
+CYCLE_STEPS = round(controller.CYCLE_S / STEP_S)
+
+MEMORY = np.dtype(
+    [
+        *((name, "f8", (chassis.STATES,)) for name in ("body", "rate", "last_rate")),
+        *((name, "f8", (4,)) for name in ("omega", "turned", "force_x", "force_y", "load", "car_x", "car_y")),
+        *((name, "f8", (4,)) for name in ("pressure", "piston", "torque", "opening_in", "opening_out", "released")),
+        *((name, "f8", (4,)) for name in ("disc", "tread", "inlet", "outlet", "rim", "rim_before", "rim_rate")),
+        *((name, "i8", (4,)) for name in ("phase", "timer")),
+        ("volumes", "f8", (2,)),
+        *((name, "f8") for name in ("reference", "master", "delta", "distance", "stop_energy", "work", "pump")),
+    ]
+)
+"""States of the car, its brakes and its controller; made outside compiled code, which does not keep records alive."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +80,11 @@ def simulate(car: np.void, drive: Drive, *, stop_below: float = 2.0, recorded: F
     out = np.zeros((steps // RECORD_EVERY, _COLUMNS))
     given = np.zeros((0, _COLUMNS)) if recorded is None else recorded
     floor = stop_below if recorded is None else 0.0
-    rows = _run(car, drive.speed, drive.pedal, drive.steering_wheel, drive.drive_torque, floor, given, out)
+    cycles = np.zeros((2, steps // CYCLE_STEPS + 2, 4))
+    memory = np.zeros(1, MEMORY)
+    rows = _run(
+        car, memory, cycles, drive.speed, drive.pedal, drive.steering_wheel, drive.drive_torque, floor, given, out
+    )
     return out[:rows]
 
 
@@ -76,7 +99,7 @@ def _roughness(distance: float, i: int, amplitude: float) -> float:
 
 
 @njit(cache=True)
-def _friction(car: Any, i: int, distance: float, speed: float, slide: float, tread: float, load: float) -> float:
+def _friction(car: Any, i: int, distance: float, speed: float, tread: float, load: float) -> float:
     """Factor on the friction of wheel ``i``: place, load, speed, temperature."""
     factor: float = car.wheel_friction[i]
     if distance > car.friction_step_at:
@@ -98,8 +121,202 @@ def _spin(inertia: float, omega: float, torque: float, capacity: float, step: fl
 
 
 @njit(cache=True)
+def _start(car: Any, s: Any, speed: float, given: FloatArray) -> None:
+    """Rolling freely at a speed, or as recorded."""
+    s.body[chassis.VX] = speed
+    s.reference = speed
+    for i in range(4):
+        s.omega[i], s.rim_before[i] = speed / car.radius[i], speed
+        s.opening_in[i], s.disc[i] = 1.0, brakes.AMBIENT_DEGC
+    s.volumes[0] = s.volumes[1] = car.accumulator_start
+    chassis.wheel_loads(car, s.body, s.car_x, s.car_y, s.load)
+    if len(given) > 0:
+        s.body[chassis.VX], s.body[chassis.VY], s.body[chassis.YAW_RATE] = given[0, 0], given[0, 1], given[0, 2]
+        for i in range(4):
+            s.omega[i] = given[0, _WHEEL + i]
+
+
+@njit(cache=True)
+def _follow(s: Any, given: FloatArray, row: int) -> None:
+    """Replay: commands of the record, and a pull towards its speeds and pressures."""
+    s.pump = given[row, _PUMP]
+    for i in range(4):
+        s.inlet[i], s.outlet[i] = given[row, _INLET + i], given[row, _OUTLET + i]
+    if row == 0:
+        return
+    for i in range(4):
+        s.omega[i] += PULL_WHEEL * (given[row - 1, _WHEEL + i] - s.omega[i])
+        s.pressure[i] += PULL_PRESSURE * (given[row - 1, _PRESSURE + i] - s.pressure[i])
+    s.body[chassis.VX] += PULL_SPEED * (given[row - 1, 0] - s.body[chassis.VX])
+    s.body[chassis.YAW_RATE] += PULL_WHEEL * (given[row - 1, 2] - s.body[chassis.YAW_RATE])
+
+
+@njit(cache=True)
+def _control(car: Any, s: Any, braking: bool) -> None:
+    """One cycle of the car's own ABS."""
+    for i in range(4):
+        s.rim[i] = s.omega[i] * CONTROLLER_RADIUS_M
+        s.rim_rate[i] = 0.5 * s.rim_rate[i] + 0.5 * (s.rim[i] - s.rim_before[i]) / controller.CYCLE_S
+        s.rim_before[i] = s.rim[i]
+    s.reference = controller.reference_speed(s.reference, s.rim)
+    pump = controller.decide(car, s.reference, s.rim, s.rim_rate, braking, s.phase, s.timer, s.inlet, s.outlet)
+    s.pump = 1.0 if pump else 0.0
+
+
+@njit(cache=True)
+def _pressures(car: Any, s: Any, cycles: FloatArray, time: float) -> None:
+    """Wheel pressures and accumulators after a step; ``cycles`` (2, cycles, 4) are inlet and outlet commands."""
+    share = STEP_S / brakes.VALVE_LAG_S
+    for i in range(4):
+        late_in = max(int((time - car.inlet_delay[i]) / controller.CYCLE_S + 1e-9), 0)
+        late_out = max(int((time - car.outlet_delay[i]) / controller.CYCLE_S + 1e-9), 0)
+        s.opening_in[i] += share * (1.0 - cycles[0, late_in, i] - s.opening_in[i])
+        s.opening_out[i] += share * (cycles[1, late_out, i] - s.opening_out[i])
+        circuit = 0 if i in (0, 3) else 1
+        before = s.pressure[i]
+        low = 0.2 * brakes.FULL_ACCUMULATOR_PA * s.volumes[circuit] / ACCUMULATOR_M3
+        if s.volumes[circuit] >= car.accumulator_volume:
+            low = before  # a full accumulator takes no more fluid
+        supply = s.master * (1.0 - car.circuit_loss[circuit])
+        s.pressure[i] = brakes.wheel_pressure(car, i, before, supply, low, s.opening_in[i], s.opening_out[i], STEP_S)
+        falling = max(before - s.pressure[i], 0.0) if s.opening_out[i] > 0.1 else 0.0
+        s.released[i] = falling / car.caliper_stiffness[i // 2]
+    brakes.accumulate(car, s.volumes, s.released, s.pump > 0.5, STEP_S)
+
+
+@njit(cache=True)
+def _brake(car: Any, s: Any, i: int, acting: float) -> None:
+    """Torque that brake ``i`` can transmit under the pressure that acts on its piston."""
+    before = s.piston[i]
+    s.piston[i] = brakes.piston_pressure(car, before, acting)
+    possible = brakes.brake_torque(
+        car,
+        i,
+        s.piston[i],
+        (s.piston[i] - before) / STEP_S,
+        s.omega[i],
+        s.turned[i],
+        s.disc[i],
+        s.stop_energy,
+        s.body[chassis.VX],
+        s.body[chassis.YAW_RATE],
+    )
+    follows = 1.0 - math.exp(-STEP_S / car.caliper_lag) if car.caliper_lag > 0.0 else 1.0
+    s.torque[i] += follows * (possible - s.torque[i])
+
+
+@njit(cache=True)
+def _tyre(car: Any, s: Any, i: int, along: float, across: float, radius: float, load: float) -> None:
+    """Tyre forces after a step; ``along``, ``across`` is the velocity of the contact in the wheel's axes."""
+    rim = radius * s.omega[i]
+    faster = max(max(abs(along), abs(rim)), SLOWEST_SLIP_SPEED_M_S)
+    slide = math.sqrt((rim - along) ** 2 + across * across)
+    factor = _friction(car, i, s.distance, s.body[chassis.VX], s.tread[i], load)
+    steady_x, steady_y = steady_forces(
+        car.curve,
+        (rim - along) / faster,
+        -across / faster,
+        car.peak_x[i] * factor,
+        car.peak_y[i] * factor,
+        car.shape_x,
+        car.shape_y,
+        car.stiffness_x[i],
+        car.stiffness_y_front if i < 2 else car.stiffness_y_rear,
+        load,
+    )
+    travel = max(faster, SLOWEST_RELAXATION_SPEED_M_S) * STEP_S
+    s.force_x[i] += (1.0 - math.exp(-travel / car.relaxation_x)) * (steady_x - s.force_x[i])
+    s.force_y[i] += (1.0 - math.exp(-travel / car.relaxation_y)) * (steady_y + car.conicity - s.force_y[i])
+    heat = math.sqrt(s.force_x[i] ** 2 + s.force_y[i] ** 2) * slide * 0.5
+    s.tread[i] += STEP_S * (heat - TREAD_COOLING_W_K * s.tread[i]) / TREAD_HEAT_CAPACITY_J_K
+
+
+@njit(cache=True)
+def _driven(car: Any, s: Any, i: int, drive_torque: float) -> float:
+    """Torque of the driveline on wheel ``i``."""
+    if i < 2:
+        return 0.0
+    lock = car.differential_torque * math.tanh((s.omega[2] - s.omega[3]) / 0.5)
+    coasting: float = car.engine_braking if drive_torque < DRIVING_NM else 0.0
+    return 0.5 * (drive_torque - coasting) - car.driveline_drag * s.omega[i] + (-lock if i == 2 else lock)
+
+
+@njit(cache=True)
+def _wheel(car: Any, s: Any, i: int, acting: float, drive_torque: float, cosine: float, sine: float) -> None:
+    """Brake, tyre and spin of wheel ``i`` after a step; its forces in the car's axes."""
+    _brake(car, s, i, acting)
+    vx, vy, yaw = s.body[chassis.VX], s.body[chassis.VY], s.body[chassis.YAW_RATE]
+    place_x, place_y = chassis.wheel_place(car, i)
+    along, across = vx - yaw * place_y, vy + yaw * place_x
+    if i < 2:
+        along, across = along * cosine + across * sine, across * cosine - along * sine
+    load = max(s.load[i] + _roughness(s.distance, i, car.roughness), 0.0)
+    radius = car.radius[i] + car.radius_growth * vx * vx
+    _tyre(car, s, i, along, across, radius, load)
+    rolling = car.rolling_resistance[i] * load * radius
+    net = _driven(car, s, i, drive_torque) - radius * s.force_x[i]
+    before = s.omega[i]
+    s.omega[i], friction = _spin(car.wheel_inertia[i], before, net, s.torque[i] + rolling, STEP_S)
+    mean = 0.5 * (before + s.omega[i])
+    s.turned[i] += mean * STEP_S
+    power = abs(friction) * s.torque[i] / max(s.torque[i] + rolling, 1e-9) * abs(mean)
+    s.disc[i] = brakes.disc_temperature(car, s.disc[i], power, mean, STEP_S)
+    s.stop_energy += power * STEP_S
+    s.work += STEP_S * mean * (net + friction)
+    s.car_x[i], s.car_y[i] = s.force_x[i], s.force_y[i]
+    if i < 2:
+        s.car_x[i] = s.force_x[i] * cosine - s.force_y[i] * sine
+        s.car_y[i] = s.force_x[i] * sine + s.force_y[i] * cosine
+
+
+@njit(cache=True)
+def _write(car: Any, s: Any, along: float, across: float, line: FloatArray) -> None:
+    """One row of ``OUTPUTS``."""
+    vx, vy, yaw = s.body[chassis.VX], s.body[chassis.VY], s.body[chassis.YAW_RATE]
+    line[0], line[1], line[2] = vx, vy, yaw
+    line[3], line[4] = along, across
+    line[5], line[6] = s.body[chassis.PITCH], s.body[chassis.PITCH_RATE]
+    line[7], line[8] = s.body[chassis.ROLL], s.body[chassis.ROLL_RATE]
+    line[_DISTANCE], line[_MASTER], line[_PUMP] = s.distance, s.master, s.pump
+    kinetic = 0.5 * car.mass * (vx * vx + vy * vy) + 0.5 * car.yaw_inertia * yaw * yaw
+    for i in range(4):
+        line[_WHEEL + i], line[_PRESSURE + i] = s.omega[i], s.pressure[i]
+        line[_INLET + i], line[_OUTLET + i] = s.inlet[i], s.outlet[i]
+        line[_LOAD + i], line[_FX + i], line[_FY + i] = s.load[i], s.force_x[i], s.force_y[i]
+        line[_TORQUE + i], line[_DISC + i] = s.torque[i], s.disc[i]
+        kinetic += 0.5 * car.wheel_inertia[i] * s.omega[i] * s.omega[i]
+    line[_KINETIC], line[_WORK] = kinetic, s.work
+
+
+@njit(cache=True)
+def _move(car: Any, s: Any, first: bool) -> None:
+    """The body after a step by the two-step Adams-Bashforth rule, and the work that was done on it."""
+    vx, vy, yaw = s.body[chassis.VX], s.body[chassis.VY], s.body[chassis.YAW_RATE]
+    along, across = s.rate[chassis.VX] - vy * yaw, s.rate[chassis.VY] + vx * yaw
+    weight = 1.0 if first else 1.5
+    for k in range(chassis.STATES):
+        s.body[k] += STEP_S * (weight * s.rate[k] - (weight - 1.0) * s.last_rate[k])
+        s.last_rate[k] = s.rate[k]
+    mean_x, mean_y = 0.5 * (vx + s.body[chassis.VX]), 0.5 * (vy + s.body[chassis.VY])
+    s.work += STEP_S * car.mass * (mean_x * along + mean_y * across)
+    s.work += STEP_S * 0.5 * (yaw + s.body[chassis.YAW_RATE]) * car.yaw_inertia * s.rate[chassis.YAW_RATE]
+    s.distance += STEP_S * mean_x
+
+
+@njit(cache=True)
+def _steer(car: Any, s: Any, wheel_angle: float) -> None:
+    """Mean angle of the front wheels, which yield to their aligning moment with a lag."""
+    speed = max(s.body[chassis.VX], 1.0)
+    slip = (s.body[chassis.VY] + car.cg_to_front * s.body[chassis.YAW_RATE]) / speed - s.delta
+    wanted = chassis.steering_angle(car, wheel_angle, s.force_y[0], s.force_y[1], slip)
+    s.delta += STEP_S / STEERING_LAG_S * (wanted - s.delta)
+
+
+@njit(cache=True)
 def _run(
     car: Any,
+    memory: Any,
+    cycles: FloatArray,
     speed: float,
     pedal: FloatArray,
     steering_wheel: FloatArray,
@@ -108,179 +325,31 @@ def _run(
     given: FloatArray,
     out: FloatArray,
 ) -> int:
+    """Every step in its order: controller, pressures, steering, loads, wheels, body; rows written into ``out``."""
+    s = memory[0]
     replay = len(given) > 0
-    body, rate, last_rate = np.zeros(chassis.STATES), np.zeros(chassis.STATES), np.zeros(chassis.STATES)
-    body[chassis.VX] = speed
-    omega, turned = np.zeros(4), np.zeros(4)
-    force_x, force_y, load = np.zeros(4), np.zeros(4), np.zeros(4)
-    car_x, car_y = np.zeros(4), np.zeros(4)
-    pressure, piston, torque = np.zeros(4), np.zeros(4), np.zeros(4)
-    opening_in, opening_out = np.ones(4), np.zeros(4)
-    disc, tread = np.full(4, brakes.AMBIENT_DEGC), np.zeros(4)
-    volumes, released = np.full(2, car.accumulator_start), np.zeros(4)
-    phase, timer = np.zeros(4, np.int64), np.zeros(4, np.int64)
-    inlet, outlet = np.zeros(4), np.zeros(4)
-    cycles = len(pedal) // 20 + 2
-    inlet_history, outlet_history = np.zeros((cycles, 4)), np.zeros((cycles, 4))
-    rim, rim_before, rim_rate = np.zeros(4), np.full(4, speed), np.zeros(4)
-    reference, master, delta, distance = speed, 0.0, 0.0, 0.0
-    stop_energy, work = 0.0, 0.0
-    pump = False
-    cycle_steps = 20
-    chassis.wheel_loads(car, body, car_x, car_y, load)
-    for i in range(4):
-        omega[i] = speed / car.radius[i]
-    if replay:
-        for i in range(4):
-            omega[i] = given[0, _WHEEL + i]
-        body[chassis.VX], body[chassis.YAW_RATE] = given[0, 0], given[0, 2]
-        body[chassis.VY] = given[0, 1]
-    rows = 0
-    steps = 2 * (len(pedal) // 2) if not replay else 2 * min(len(given), len(pedal) // 2)
-    for n in range(steps):
-        time = n * STEP_S
-        vx, vy, yaw = body[chassis.VX], body[chassis.VY], body[chassis.YAW_RATE]
-        if vx < stop_below:
-            break
+    _start(car, s, speed, given)
+    for n in range(RECORD_EVERY * len(out)):
         row = n // RECORD_EVERY
-        if n % cycle_steps == 0:
-            cycle = n // cycle_steps
+        if s.body[chassis.VX] < stop_below:
+            return row
+        if n % CYCLE_STEPS == 0:
             if replay:
-                pump = given[row, _PUMP] > 0.5
-                for i in range(4):
-                    inlet[i], outlet[i] = given[row, _INLET + i], given[row, _OUTLET + i]
-                    if n > 0:
-                        omega[i] += PULL_WHEEL * (given[row - 1, _WHEEL + i] - omega[i])
-                        pressure[i] += PULL_PRESSURE * (given[row - 1, _PRESSURE + i] - pressure[i])
-                if n > 0:
-                    body[chassis.VX] += PULL_SPEED * (given[row - 1, 0] - vx)
-                    body[chassis.YAW_RATE] += PULL_WHEEL * (given[row - 1, 2] - yaw)
-                    vx, yaw = body[chassis.VX], body[chassis.YAW_RATE]
+                _follow(s, given, row)
             else:
-                for i in range(4):
-                    rim[i] = omega[i] * 0.278
-                    rim_rate[i] = 0.5 * rim_rate[i] + 0.5 * (rim[i] - rim_before[i]) / controller.CYCLE_S
-                    rim_before[i] = rim[i]
-                reference = controller.reference_speed(reference, rim)
-                pump = controller.decide(car, reference, rim, rim_rate, pedal[n] > 5.0, phase, timer, inlet, outlet)
-            inlet_history[cycle] = inlet
-            outlet_history[cycle] = outlet
-        # hydraulics
-        asked = min(car.booster_gain * pedal[n], car.booster_knee + 0.15 * (car.booster_gain * pedal[n]))
-        if replay:
-            master = given[row, _MASTER]
-        else:
-            master += STEP_S / BOOSTER_LAG_S * (asked - master)
+                _control(car, s, pedal[n] > BRAKING_N)
+            cycles[0, n // CYCLE_STEPS], cycles[1, n // CYCLE_STEPS] = s.inlet, s.outlet
+        asked = car.booster_gain * pedal[n]
+        asked = min(asked, car.booster_knee + BEYOND_KNEE * asked)
+        s.master = given[row, _MASTER] if replay else s.master + STEP_S / BOOSTER_LAG_S * (asked - s.master)
+        _pressures(car, s, cycles, n * STEP_S)
+        _steer(car, s, steering_wheel[n])
+        chassis.wheel_loads(car, s.body, s.car_x, s.car_y, s.load)
         for i in range(4):
-            late_in = max(int((time - car.inlet_delay[i]) / controller.CYCLE_S + 1e-9), 0)
-            late_out = max(int((time - car.outlet_delay[i]) / controller.CYCLE_S + 1e-9), 0)
-            share = STEP_S / brakes.VALVE_LAG_S
-            opening_in[i] += share * (1.0 - inlet_history[late_in, i] - opening_in[i])
-            opening_out[i] += share * (outlet_history[late_out, i] - opening_out[i])
-            circuit = 0 if i in (0, 3) else 1
-            full = volumes[circuit] >= car.accumulator_volume
-            low = pressure[i] if full else 0.2 * brakes.FULL_ACCUMULATOR_PA * volumes[circuit] / 4e-6
-            supply = master * (1.0 - car.circuit_loss[circuit])
-            before = pressure[i]
-            pressure[i] = brakes.wheel_pressure(car, i, before, supply, low, opening_in[i], opening_out[i], STEP_S)
-            falling = max(before - pressure[i], 0.0) if opening_out[i] > 0.1 else 0.0
-            released[i] = falling / car.caliper_stiffness[i // 2]
-        brakes.accumulate(car, volumes, released, pump, STEP_S)
-        # wheels
-        wanted = chassis.steering_angle(
-            car, steering_wheel[n], force_y[0], force_y[1], vy / max(vx, 1.0) + 1.25 * yaw / max(vx, 1.0) - delta
-        )
-        delta += STEP_S / STEERING_LAG_S * (wanted - delta)
-        cos_delta, sin_delta = math.cos(delta), math.sin(delta)
-        taken = 0.0
-        lock = car.differential_torque * math.tanh((omega[2] - omega[3]) / 0.5)
-        chassis.wheel_loads(car, body, car_x, car_y, load)
-        for i in range(4):
-            acting = given[row, _PRESSURE + i] if replay else pressure[i]
-            before = piston[i]
-            piston[i] = brakes.piston_pressure(car, before, acting)
-            piston_rate = (piston[i] - before) / STEP_S
-            possible = brakes.brake_torque(
-                car, i, piston[i], piston_rate, omega[i], turned[i], disc[i], stop_energy, vx, yaw
-            )
-            follows = 1.0 - math.exp(-STEP_S / car.caliper_lag) if car.caliper_lag > 0.0 else 1.0
-            torque[i] += follows * (possible - torque[i])
-            place_x, place_y = chassis.wheel_place(car, i)
-            at_x, at_y = vx - yaw * place_y, vy + yaw * place_x
-            if i < 2:
-                at_x, at_y = at_x * cos_delta + at_y * sin_delta, at_y * cos_delta - at_x * sin_delta
-            wheel_load = max(load[i] + _roughness(distance, i, car.roughness), 0.0)
-            radius = car.radius[i] + car.radius_growth * vx * vx
-            faster = max(max(abs(at_x), abs(radius * omega[i])), SLOWEST_SLIP_SPEED_M_S)
-            slip_x, slip_y = (radius * omega[i] - at_x) / faster, -at_y / faster
-            slide = math.sqrt((radius * omega[i] - at_x) ** 2 + at_y * at_y)
-            factor = _friction(car, i, distance, vx, slide, tread[i], wheel_load)
-            stiffness_y = car.stiffness_y_front if i < 2 else car.stiffness_y_rear
-            steady_x, steady_y = steady_forces(
-                car.curve,
-                slip_x,
-                slip_y,
-                car.peak_x[i] * factor,
-                car.peak_y[i] * factor,
-                car.shape_x,
-                car.shape_y,
-                car.stiffness_x[i],
-                stiffness_y,
-                wheel_load,
-            )
-            steady_y += car.conicity
-            travel = max(faster, SLOWEST_RELAXATION_SPEED_M_S) * STEP_S
-            force_x[i] += (1.0 - math.exp(-travel / car.relaxation_x)) * (steady_x - force_x[i])
-            force_y[i] += (1.0 - math.exp(-travel / car.relaxation_y)) * (steady_y - force_y[i])
-            driven = 0.0
-            if i >= 2:
-                coasting = car.engine_braking if drive_torque[n] < DRIVING_NM else 0.0
-                driven = 0.5 * (drive_torque[n] - coasting) - car.driveline_drag * omega[i]
-                driven += -lock if i == 2 else lock
-            rolling = car.rolling_resistance[i] * wheel_load * radius
-            net = driven - radius * force_x[i]
-            spin_before = omega[i]
-            omega[i], friction = _spin(car.wheel_inertia[i], spin_before, net, torque[i] + rolling, STEP_S)
-            mean = 0.5 * (spin_before + omega[i])
-            turned[i] += mean * STEP_S
-            share_brake = torque[i] / max(torque[i] + rolling, 1e-9)
-            brake_power = abs(friction) * share_brake * abs(mean)
-            disc[i] = brakes.disc_temperature(car, disc[i], brake_power, mean, STEP_S)
-            taken += brake_power * STEP_S
-            heat = math.sqrt(force_x[i] ** 2 + force_y[i] ** 2) * slide * 0.5
-            tread[i] += STEP_S * (heat - TREAD_COOLING_W_K * tread[i]) / TREAD_HEAT_CAPACITY_J_K
-            work += STEP_S * mean * (net + friction)
-            car_x[i], car_y[i] = force_x[i], force_y[i]
-            if i < 2:
-                car_x[i] = force_x[i] * cos_delta - force_y[i] * sin_delta
-                car_y[i] = force_x[i] * sin_delta + force_y[i] * cos_delta
-        stop_energy += taken
-        # body: two-step Adams-Bashforth
-        along, across = chassis.derivatives(car, body, car_x, car_y, 0.0, rate)
-        accelerations_x, accelerations_y = rate[chassis.VX] - vy * yaw, rate[chassis.VY] + vx * yaw
+            acting = given[row, _PRESSURE + i] if replay else s.pressure[i]
+            _wheel(car, s, i, acting, drive_torque[n], math.cos(s.delta), math.sin(s.delta))
+        along, across = chassis.derivatives(car, s.body, s.car_x, s.car_y, 0.0, s.rate)
         if n % RECORD_EVERY == 0:
-            line = out[row]
-            line[0], line[1], line[2] = vx, vy, yaw
-            line[3], line[4] = along, across
-            line[5], line[6] = body[chassis.PITCH], body[chassis.PITCH_RATE]
-            line[7], line[8] = body[chassis.ROLL], body[chassis.ROLL_RATE]
-            line[_DISTANCE], line[_MASTER], line[_PUMP] = distance, master, 1.0 if pump else 0.0
-            kinetic = 0.5 * car.mass * (vx * vx + vy * vy) + 0.5 * car.yaw_inertia * yaw * yaw
-            for i in range(4):
-                line[_WHEEL + i], line[_PRESSURE + i] = omega[i], pressure[i]
-                line[_INLET + i], line[_OUTLET + i] = inlet[i], outlet[i]
-                line[_LOAD + i], line[_FX + i], line[_FY + i] = load[i], force_x[i], force_y[i]
-                line[_TORQUE + i], line[_DISC + i] = torque[i], disc[i]
-                kinetic += 0.5 * car.wheel_inertia[i] * omega[i] * omega[i]
-            line[_KINETIC], line[_WORK] = kinetic, work
-            rows += 1
-        weight = 1.5 if n > 0 else 1.0
-        for k in range(chassis.STATES):
-            body[k] += STEP_S * (weight * rate[k] - (weight - 1.0) * last_rate[k])
-            last_rate[k] = rate[k]
-        mean_x, mean_y = 0.5 * (vx + body[chassis.VX]), 0.5 * (vy + body[chassis.VY])
-        moment = car.yaw_inertia * rate[chassis.YAW_RATE]
-        work += STEP_S * car.mass * (mean_x * accelerations_x + mean_y * accelerations_y)
-        work += STEP_S * 0.5 * (yaw + body[chassis.YAW_RATE]) * moment
-        distance += STEP_S * mean_x
-    return rows
+            _write(car, s, along, across, out[row])
+        _move(car, s, n == 0)
+    return len(out)
