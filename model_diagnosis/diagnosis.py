@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from model_diagnosis.data import check_data, read_manoeuvres
 from model_diagnosis.effects.catalogue import EFFECTS
-from model_diagnosis.effects.form import FORM_EFFECTS
+from model_diagnosis.effects.form import FORM_EFFECTS, FORM_HYDRAULICS_EFFECTS
 from model_diagnosis.evidence.answer import CauseDetail, causes
 from model_diagnosis.evidence.base import Base, fit_base
 from model_diagnosis.evidence.excitation import Excitation, excitation, excited_columns
@@ -46,7 +46,7 @@ FloatArray = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 Source = Sequence[Manoeuvre] | Sequence[str | Path]
 
-REPLAYED = (*EFFECTS, *FORM_EFFECTS)
+REPLAYED = (*EFFECTS, *FORM_EFFECTS, *FORM_HYDRAULICS_EFFECTS)
 """Effects that the replay carries: the catalogue, and what is allowed without ever being named."""
 
 STEPS = {"data": 0.0, "base": 0.1, "threshold": 0.4, "search": 0.42, "answer": 0.8, "plan": 0.88, "gain": 0.95}

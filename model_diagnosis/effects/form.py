@@ -50,5 +50,16 @@ FORM_EFFECTS: tuple[Effect, ...] = (
     ),
 )
 
-FORM_NAMES = frozenset(effect.name for effect in FORM_EFFECTS)
+FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
+    _form(
+        "form_booster",
+        Group.HYDRAULICS,
+        "tau dp/dt + p = k_b F_pedal",
+        ("master_pressure",),
+        EffectParameter("lag", "s", 0.0, 0.3, 0.04, 0.04, relative=False),
+    ),
+)
+"""Those that act before the wheel brakes."""
+
+FORM_NAMES = frozenset(effect.name for effect in (*FORM_EFFECTS, *FORM_HYDRAULICS_EFFECTS))
 """Names of effects that are no causes."""

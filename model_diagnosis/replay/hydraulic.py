@@ -7,12 +7,14 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from hydraulics.parameters import PARAMETERS
 from hydraulics.record import PARAMETER_RECORD, STEP_S, fill_record
 from hydraulics.selection_logic import LOGICS
 from hydraulics.state import STATE_RECORD
 from model_diagnosis.effects.effect import EffectParameter
+from model_diagnosis.effects.form import FORM_HYDRAULICS_EFFECTS
 from model_diagnosis.effects.hydraulics import HYDRAULICS_EFFECTS
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.hydraulic_run import hydraulic_run
@@ -31,7 +33,7 @@ _VALVES = ("inlet", "outlet")
 
 HYDRAULIC_COLUMNS: Mapping[str, EffectParameter] = {
     column: parameter
-    for effect in HYDRAULICS_EFFECTS
+    for effect in (*HYDRAULICS_EFFECTS, *FORM_HYDRAULICS_EFFECTS)
     for column, parameter in zip(effect.columns, effect.parameters, strict=True)
 }
 """Columns that act before the wheel brakes."""
@@ -104,6 +106,9 @@ class HydraulicReplay:
         assert log.pedal is not None
         gain = self._booster_gain * (1.0 + deviations.get("booster_saturation.gain", 0.0))
         pressure = gain * log.pedal
+        lag = deviations.get("form_booster.lag", 0.0)
+        if lag > 0.0:
+            pressure = _lagged(pressure, lag)
         loss = deviations.get("booster_saturation.slope_loss", 0.0)
         if loss == 0.0:
             return pressure
@@ -153,6 +158,13 @@ class HydraulicReplay:
                     changed = values[path] * (1.0 + deviation) if parameter.relative else values[path] + deviation
                     values[path] = max(changed, 0.0)
         return values
+
+
+def _lagged(values: FloatArray, time_constant: float) -> FloatArray:
+    """Values (n,) behind a first-order lag [s] that rests at the first one."""
+    kept = float(np.exp(-SAMPLE_TIME_S / time_constant))
+    lagged, _ = lfilter([1.0 - kept], [1.0, -kept], values, zi=np.array([kept * values[0]]))
+    return np.asarray(lagged, dtype=np.float64)
 
 
 def _whole_delays(values: Mapping[str, float]) -> list[tuple[float, dict[str, float]]]:
