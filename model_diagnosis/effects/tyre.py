@@ -162,7 +162,7 @@ TYRE_EFFECTS: tuple[Effect, ...] = (
         "R_i <- (1 + d_i) R_i",
         tuple(_radius(wheel) for wheel in WHEELS),
         _WHEEL_SPEEDS,
-        ("wheel_speed_scale", "tyre_ageing_pressure"),
+        ("tyre_ageing_pressure",),
         "none: a scale of the wheel speed is the same effect; the load's part shows in a circle",
         "usual tolerance and wear of tyres",
     ),

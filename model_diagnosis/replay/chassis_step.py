@@ -12,6 +12,9 @@ from numba import njit
 from model_diagnosis.replay.derived import GRAVITY
 from model_diagnosis.replay.record import Record
 
+_LARGEST_ANGLE = 0.4
+"""Pitch and roll [rad] beyond which the small angles of this model mean nothing; a car that tips over stays there."""
+
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def move_body(p: Record, s: Record, step: float) -> None:
@@ -55,8 +58,8 @@ def move_body(p: Record, s: Record, step: float) -> None:
     s.pitch_rate += step * nose_down * p.inverse_pitch
     s.roll_rate += step * left_up * p.inverse_roll
     s.heave += step * s.heave_rate
-    s.pitch += step * s.pitch_rate
-    s.roll += step * s.roll_rate
+    s.pitch = min(max(s.pitch + step * s.pitch_rate, -_LARGEST_ANGLE), _LARGEST_ANGLE)
+    s.roll = min(max(s.roll + step * s.roll_rate, -_LARGEST_ANGLE), _LARGEST_ANGLE)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
