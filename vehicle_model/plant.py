@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from signals.errors import InputError
 from signals.record_memory import numbers_address
 from vehicle_model.body_forces import steering_angle
 from vehicle_model.equilibrium import solve_equilibrium
@@ -26,13 +27,18 @@ from vehicle_model.plant_parameters import (
     ONLY_WHEN_BUILT,
     RIGID_BODY_SECTIONS,
     SECTIONS,
+    STEERING_AND_AIR_SECTIONS,
+    WHEEL_NUMBERS,
     PlantOptions,
     copy_of,
     write_guidance,
     write_masses,
     write_numerics,
-    write_running_gear,
+    write_steering_and_air,
+    write_suspension,
     write_tyres,
+    write_wheel_number,
+    write_wheels,
 )
 from vehicle_model.plant_record import (
     PARAMETER_RECORD,
@@ -85,7 +91,8 @@ class Plant(PlantAccess):
     ) -> None:
         self._vehicle = copy_of(vehicle)
         self._at_rest = copy_of(vehicle)
-        self._numbers_at_rest = self._rigid_body_numbers(self._at_rest)
+        self._numbers = self._rigid_body_numbers()
+        self._numbers_at_rest = dict(self._numbers)
         self._options: PlantOptions = PlantOptions(steps_per_tick=steps_per_tick, wheel_substeps=wheel_substeps)
         self._terms = new_terms()
         self._road = RoadTables(road or RoadFile())
@@ -98,7 +105,7 @@ class Plant(PlantAccess):
         self._time_s = 0.0
         self._model = build_model(self._bodies(), TIME_STEP_S / steps_per_tick)
         self._data, self._scratch = mujoco.MjData(self._model), mujoco.MjData(self._model)
-        for section in (*RIGID_BODY_SECTIONS, "tyres", "terms", "plant"):
+        for section in (*SECTIONS, "plant"):
             self._write(section)
         self.outputs = np.zeros(len(PLANT_OUTPUTS))
         self._addresses = np.zeros(len(ADDRESS_NAMES), np.int64)
@@ -106,12 +113,28 @@ class Plant(PlantAccess):
         self._take_addresses()
         self.reset(speed_m_s=0.0)
 
-    @staticmethod
-    def _rigid_body_numbers(vehicle: VehicleFile) -> dict[str, float]:
-        return {path: value for section in RIGID_BODY_SECTIONS for path, value in vehicle.numbers(section).items()}
+    def _rigid_body_numbers(self) -> dict[str, float]:
+        sections = {*RIGID_BODY_SECTIONS, *GUIDANCE_SECTIONS}
+        return {path: value for section in sections for path, value in self._vehicle.numbers(section).items()}
 
     def _bodies(self) -> RigidBodies:
-        return rigid_bodies(self._rigid_body_numbers(self._vehicle), self._numbers_at_rest)
+        return rigid_bodies(self._numbers, self._numbers_at_rest)
+
+    def _write_changed(self, path: str) -> None:
+        before = self._numbers.get(path)
+        if before is not None:
+            self._numbers[path] = self.get(path)
+        section, _, rest = path.partition(".")
+        wheel, _, name = rest.partition(".")
+        if section == "wheels" and name in WHEEL_NUMBERS:
+            write_wheel_number(self._parameters, wheel, name, self._numbers[path])
+            return
+        try:
+            self._write(section)
+        except InputError:
+            if before is not None:
+                self._numbers[path] = before
+            raise
 
     def _write(self, section: str) -> None:
         """Bring the compiled step's memory up to date after a change in a section of the parameters."""
@@ -126,16 +149,19 @@ class Plant(PlantAccess):
             self._model.opt.timestep = TIME_STEP_S / self._options.steps_per_tick
             return
         if section in GUIDANCE_SECTIONS:
-            guided = guidance(
-                self._vehicle.numbers("axles") | self._vehicle.numbers("wheels") | self._vehicle.numbers("suspension")
-            )
+            guided = guidance(self._numbers)
             write_slides(self._model, guided.slides)
             write_guidance(self._parameters, guided)
         if section in RIGID_BODY_SECTIONS:
             bodies = self._bodies()
             write_bodies(self._model, self._scratch, bodies)
             write_masses(self._parameters, self._vehicle, self._at_rest, bodies)
-        write_running_gear(self._parameters, self._vehicle, self._at_rest)
+        if section == "wheels":
+            write_wheels(self._parameters, self._vehicle, self._at_rest)
+        elif section == "suspension":
+            write_suspension(self._parameters, self._vehicle)
+        if section in STEERING_AND_AIR_SECTIONS:
+            write_steering_and_air(self._parameters, self._vehicle)
 
     def _take_addresses(self) -> None:
         memory: dict[str, NDArray[Any]] = {

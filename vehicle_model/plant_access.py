@@ -36,6 +36,10 @@ class PlantAccess:
         """Bring the compiled step's memory up to date after a change in a section, "plant" for the numerics."""
         raise NotImplementedError
 
+    def _write_changed(self, path: str) -> None:
+        """The same after a change of one parameter."""
+        self._write(path.partition(".")[0])
+
     def names(self) -> tuple[str, ...]:
         """Dotted paths of every parameter, the road's as ``road.…``, the numerics' as ``plant.…``."""
         return tuple(info.path for info in self.parameter_table())
@@ -79,7 +83,7 @@ class PlantAccess:
         before = parameters.get_parameter(model, path, prefix)
         parameters.set_parameter(model, path, value, prefix)
         try:
-            self._write(prefix.removesuffix("."))
+            self._write_changed(path)
         except InputError:
             parameters.set_parameter(model, path, before, prefix)
             raise

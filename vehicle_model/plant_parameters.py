@@ -17,8 +17,12 @@ from vehicle_model.vehicle_file import STANDARD_GRAVITY, VehicleFile
 
 SECTIONS = ("body", "axles", "wheels", "suspension", "steering", "aerodynamics", "tyres", "terms")
 RIGID_BODY_SECTIONS = ("body", "axles", "wheels")
-GUIDANCE_SECTIONS = ("body", "axles", "wheels", "suspension")
+GUIDANCE_SECTIONS = ("axles", "wheels", "suspension")
 """Sections on which the lines depend along which the wheels travel."""
+STEERING_AND_AIR_SECTIONS = ("body", "axles", "steering", "aerodynamics")
+
+WHEEL_NUMBERS = frozenset({"vertical_stiffness", "vertical_damping", "rolling_resistance", "friction_factor", "toe"})
+"""Parameters of a wheel that nothing else follows from."""
 
 ONLY_WHEN_BUILT = frozenset(
     {"body.length", "body.width", "body.height", *(f"wheels.{wheel}.unloaded_radius" for wheel in WHEELS)}
@@ -78,27 +82,26 @@ def write_guidance(record: NDArray[np.void], guidance: Guidance) -> None:
     p["guided"] = np.any(guidance.slides[:, :2] != 0.0, axis=1)
 
 
-def write_running_gear(record: NDArray[np.void], vehicle: VehicleFile, at_rest: VehicleFile) -> None:
-    """Fill wheels, suspension, steering and air forces; static loads are there already."""
-    _write_wheels(record[0], vehicle, at_rest)
-    _write_suspension(record[0], vehicle)
-    _write_steering_and_air(record[0], vehicle)
+def write_wheel_number(record: NDArray[np.void], wheel: str, name: str, value: float) -> None:
+    """Fill one of ``WHEEL_NUMBERS`` of a wheel."""
+    record[name][0, WHEELS.index(wheel)] = value
 
 
-def _write_wheels(p: Record, vehicle: VehicleFile, at_rest: VehicleFile) -> None:
+def write_wheels(record: NDArray[np.void], vehicle: VehicleFile, at_rest: VehicleFile) -> None:
+    """Fill the wheels; static loads are there already."""
+    p = record[0]
     for i, name in enumerate(WHEELS):
         wheel, wheel_at_rest = getattr(vehicle.wheels, name), getattr(at_rest.wheels, name)
         p["radius"][i] = p["nominal_radius"][i] = wheel.radius
-        p["vertical_stiffness"][i] = wheel.vertical_stiffness
-        p["vertical_damping"][i] = wheel.vertical_damping
-        p["rolling_resistance"][i] = wheel.rolling_resistance
-        p["friction_factor"][i] = wheel.friction_factor
-        p["toe"][i] = wheel.toe
+        for number in WHEEL_NUMBERS:
+            p[number][i] = getattr(wheel, number)
         # the spring carries what rests on the wheel without the wheel itself
         p["spring_preload"][i] = p["static_load"][i] - wheel_at_rest.unsprung_mass * STANDARD_GRAVITY
 
 
-def _write_suspension(p: Record, vehicle: VehicleFile) -> None:
+def write_suspension(record: NDArray[np.void], vehicle: VehicleFile) -> None:
+    """Fill springs, dampers, stops and camber."""
+    p = record[0]
     for i in range(4):
         axle = vehicle.suspension.front if i < 2 else vehicle.suspension.rear
         problem = damper_curve_problem(axle.damper_speeds, axle.damper_forces)
@@ -122,7 +125,9 @@ def _write_suspension(p: Record, vehicle: VehicleFile) -> None:
     p["soft_scale"], p["firm_scale"] = adaptive.soft_scale, adaptive.firm_scale
 
 
-def _write_steering_and_air(p: Record, vehicle: VehicleFile) -> None:
+def write_steering_and_air(record: NDArray[np.void], vehicle: VehicleFile) -> None:
+    """Fill the steering linkage and the air forces."""
+    p = record[0]
     steering, air = vehicle.steering, vehicle.aerodynamics
     p["steering_ratio"], p["steering_offset"], p["ackermann"] = steering.ratio, steering.offset, steering.ackermann
     p["half_track_over_wheelbase"] = vehicle.axles.front.track / (2.0 * vehicle.body.wheelbase)

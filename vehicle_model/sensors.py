@@ -24,14 +24,13 @@ from vehicle_model.sensors_step import (
     AT_SENSED,
     AT_STATE,
     AT_VALUES,
+    DRAWN_TICKS,
     RANDOM_NUMBERS,
     sensors_step,
 )
 from vehicle_model.tone_ring import HISTORY_TICKS, MOST_TEETH, TURN, edge_angles
 from vehicle_model.vehicle_file import VehicleFile
 
-# ticks that noise is drawn for in advance: few, so that no tick has to draw for long
-_NOISE_ROWS = 64
 _TONE_RINGS, _NOISE, _CONTACTS = 1, 2, 3
 _SOURCES = {
     "cluster_can": record.SENSOR,
@@ -78,8 +77,8 @@ class Sensors:
         self._seed = seed
         self._parameters: NDArray[np.void] = np.zeros(1, record.PARAMETER_RECORD)
         self._state: NDArray[np.void] = np.zeros(1, record.STATE_RECORD)
-        self._noise = np.zeros((_NOISE_ROWS, RANDOM_NUMBERS))
-        self._contacts = np.ones((_NOISE_ROWS, RANDOM_NUMBERS))
+        self._noise = np.zeros((RANDOM_NUMBERS, DRAWN_TICKS))
+        self._contacts = np.ones((RANDOM_NUMBERS, DRAWN_TICKS))
         self._values = self._sensed = np.zeros(0)
         self._addresses = np.zeros(ADDRESSES, np.int64)
         self._memory = self._addresses.ctypes.data
@@ -107,7 +106,7 @@ class Sensors:
         self._state[0]["angle"] = rings.uniform(0.0, TURN, 4)
         # long past: the first edge is not the second of a pair
         self._state[0]["edge_time"] = self._state[0]["time_history"] = -1e3
-        self._row = self._contact_row = _NOISE_ROWS
+        self._row = self._contact_row = DRAWN_TICKS
         self._noisy: list[int] = []
         self._loose: list[int] = []
         self._fill()
@@ -124,9 +123,9 @@ class Sensors:
         sensed
             Layout of block "bus"; what comes from the ECU is left alone.
         """
-        if self._row == _NOISE_ROWS:
+        if self._row == DRAWN_TICKS:
             self._draw()
-        if self._contact_row == _NOISE_ROWS:
+        if self._contact_row == DRAWN_TICKS:
             self._draw_contacts()
         self._row += 1
         self._contact_row += 1
@@ -144,7 +143,7 @@ class Sensors:
         """Draw the noise of the coming ticks, only for channels that have some."""
         self._noise[:] = 0.0
         for channel in self._noisy:
-            self._noise[:, channel] = self._generators[channel].standard_normal(_NOISE_ROWS)
+            self._generators[channel].standard_normal(out=self._noise[channel])
         self._row = 0
         self._state[0]["row"] = 0
 
@@ -152,7 +151,7 @@ class Sensors:
         """Draw for the loose contacts; every other contact keeps numbers that never open it."""
         self._contacts[:] = 1.0
         for channel in self._loose:
-            self._contacts[:, channel] = self._contact_generators[channel].random(_NOISE_ROWS)
+            self._contact_generators[channel].random(out=self._contacts[channel])
         self._contact_row = 0
         self._state[0]["contact_row"] = 0
 
@@ -219,9 +218,9 @@ class Sensors:
             noisy += range(record.CHANNELS, record.CHANNELS + 4)
         loose = [int(channel) for channel in np.flatnonzero(row["dropout_rate"])]
         if loose != self._loose:
-            self._loose, self._contact_row = loose, _NOISE_ROWS
+            self._loose, self._contact_row = loose, DRAWN_TICKS
         if noisy != self._noisy:
-            self._noisy, self._row = noisy, _NOISE_ROWS
+            self._noisy, self._row = noisy, DRAWN_TICKS
 
     def _fill_pressure_faults(self) -> None:
         row = self._parameters[0]

@@ -31,6 +31,8 @@ AT_PARAMETERS, AT_STATE, AT_EDGES, AT_NOISE, AT_CONTACTS, AT_VALUES, AT_SENSED =
 ADDRESSES = 7
 RANDOM_NUMBERS = CHANNELS + 4
 """Random numbers of a tick: a value per analogue channel and wheel-speed sensor."""
+DRAWN_TICKS = 64
+"""Ticks that they are drawn for in advance: few, so that no tick has to draw for long."""
 
 
 @njit(cache=True)
@@ -114,11 +116,11 @@ def _analogue(p: Any, s: Any, values: Any, noise: Any, contacts: Any, sensed: An
     measured[STEERING] = values[p.driver_steering_wheel_angle]
     filtered = measured[ACCELERATION_X]
     for k in range(CHANNELS):
-        value = p.scale[k] * _delayed(p, s, k, measured[k]) + p.offset[k] + p.noise[k] * noise[k]
+        value = p.scale[k] * _delayed(p, s, k, measured[k]) + p.offset[k] + p.noise[k] * noise[DRAWN_TICKS * k]
         resolution = p.resolution[k]
         if resolution > 0.0:
             value = math.floor(value / resolution + 0.5) * resolution
-        is_open = contact_open(p, s, k, contacts[k])
+        is_open = contact_open(p, s, k, contacts[DRAWN_TICKS * k])
         sensed[p.to_channel[k]] = reported(p, s, k, value, is_open)
     if p.acceleration_source == IDEAL:
         sensed[p.to_channel[ACCELERATION_X]] = values[p.true_longitudinal_acceleration]
@@ -133,9 +135,10 @@ def _wheels(p: Any, s: Any, edges: Any, noise: Any, contacts: Any, values: Any, 
         omega = values[p.true_wheel_speed_fl + i]
         if s.started == 0:
             s.omega[i] = omega
-        is_open = contact_open(p, s, CHANNELS + i, contacts[CHANNELS + i])
+        is_open = contact_open(p, s, CHANNELS + i, contacts[DRAWN_TICKS * (CHANNELS + i)])
         s.blind[i] = 1 if is_open or abs(omega) < slowest_seen(p, i) else 0
-        turn_ring(p, s, i, numbers_at(edges + 8 * p.teeth * i), omega, time, p.edge_jitter * noise[CHANNELS + i])
+        jitter = p.edge_jitter * noise[DRAWN_TICKS * (CHANNELS + i)]
+        turn_ring(p, s, i, numbers_at(edges + 8 * p.teeth * i), omega, time, jitter)
         speed = measure_speed(p, s, i, now)
         if p.stuck[CHANNELS + i] <= 0.5 or s.started == 0:
             s.wheel_reports[i, 0] = p.ring_scale[i] * speed
@@ -172,16 +175,17 @@ def sensors_step(memory: int, time: float) -> None:
     memory
         Address of the list of addresses. These are, in the order ``AT_…``: records of ``PARAMETER_RECORD`` and
         ``STATE_RECORD``; angles of the edges, shape (4, teeth); standard normal and uniform random numbers, shapes
-        (n, RANDOM_NUMBERS), of which each tick takes a row; the signal vector; the layout of block "bus", where what
-        comes from the ECU is left alone.
+        (RANDOM_NUMBERS, DRAWN_TICKS), of which each tick takes a column; the signal vector; the layout of block "bus",
+        where what comes from the ECU is left alone.
     time : s
         Start of the tick.
     """
     places: Any = addresses_at(memory)
     p = record_at(places[AT_PARAMETERS], PARAMETER_RECORD)
     s = record_at(places[AT_STATE], STATE_RECORD)
-    noise = numbers_at(places[AT_NOISE] + 8 * RANDOM_NUMBERS * s.row)
-    contacts = numbers_at(places[AT_CONTACTS] + 8 * RANDOM_NUMBERS * s.contact_row)
+    # from the tick's column on: those of a channel lie a row apart
+    noise = numbers_at(places[AT_NOISE] + 8 * s.row)
+    contacts = numbers_at(places[AT_CONTACTS] + 8 * s.contact_row)
     values, sensed = numbers_at(places[AT_VALUES]), numbers_at(places[AT_SENSED])
     _analogue(p, s, values, noise, contacts, sensed)
     _wheels(p, s, places[AT_EDGES], noise, contacts, values, sensed, time)

@@ -121,6 +121,25 @@ def test_every_parameter_does_something() -> None:
     assert set(idle) == CAMBER | AT_SPEED
 
 
+def test_a_change_writes_all_that_follows_from_it() -> None:
+    car = _vehicle()
+    model = car._model
+
+    def memory() -> list[bytes]:
+        bodies = (model.body_mass, model.body_inertia, model.body_ipos, model.body_pos, model.jnt_axis)
+        return [car._parameters.tobytes(), car._tyres.tobytes(), *(array.tobytes() for array in bodies)]
+
+    for info in car.parameter_table():
+        if info.path.startswith(("road.", "plant.")):
+            continue
+        changed = info.value + (0.01 * abs(info.value) if info.value else 0.01)
+        car.set(info.path, changed if info.high is None or changed <= info.high else 0.99 * info.value)
+        after = memory()
+        for section in Plant.sections:
+            car._write(section)
+        assert memory() == after, info.path
+
+
 def test_a_parameter_changes_the_car_while_it_drives() -> None:
     car = car_on()
     car.reset(speed_m_s=25.0)
