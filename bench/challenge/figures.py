@@ -53,10 +53,20 @@ class Figure:
 
 
 @dataclass(frozen=True)
+class Sizes:
+    """Sizes of an effect in nominal scatters: measured detection limit; None where there is no such case."""
+
+    cases: int
+    smallest_seen: float | None
+    largest_unseen: float | None
+
+
+@dataclass(frozen=True)
 class Figures:
     """All figures of a challenge."""
 
     shares: list[Figure]
+    sizes: dict[str, Sizes]
     confusion: dict[str, dict[str, int]]
     bins: list[Bin]
 
@@ -99,7 +109,7 @@ def figures_of(scores: Sequence[CaseScore]) -> Figures:
         _mean("log score of the truth", (s.log_score for s in scores)),
         _median("seconds per case", (s.seconds for s in scores), None),
     ]
-    return Figures(shares, _confusion(scores), reliability(stated))
+    return Figures(shares, _sizes(scores), _confusion(scores), reliability(stated))
 
 
 def _of(scores: Sequence[CaseScore], family: str) -> list[CaseScore]:
@@ -133,6 +143,24 @@ def _median(name: str, values: Iterable[float | None], required: tuple[float, fl
 def _mean(name: str, values: Iterable[float | None]) -> Figure:
     known = [value for value in values if value is not None]
     return Figure(name, sum(known) / len(known) if known else None, len(known))
+
+
+def _sizes(scores: Sequence[CaseScore]) -> dict[str, Sizes]:
+    """Sizes of single effects that were named, alone or in a justified group, and of those that were not."""
+    seen: dict[str, list[float]] = {}
+    unseen: dict[str, list[float]] = {}
+    for score in scores:
+        if score.family in ("single", "detection"):
+            (seen if score.in_group else unseen).setdefault(score.hidden, []).append(score.units)
+    names = sorted(seen.keys() | unseen.keys())
+    return {
+        name: Sizes(
+            len(seen.get(name, [])) + len(unseen.get(name, [])),
+            min(seen.get(name, []), default=None),
+            max(unseen.get(name, []), default=None),
+        )
+        for name in names
+    }
 
 
 def _confusion(scores: Sequence[CaseScore]) -> dict[str, dict[str, int]]:

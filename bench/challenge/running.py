@@ -41,6 +41,7 @@ class ChallengeResult:
             "family": self.family,
             "generator": self.generator,
             "figures": [figure.as_json() for figure in self.figures.shares],
+            "sizes": {name: asdict(sizes) for name, sizes in self.figures.sizes.items()},
             "confusion": self.figures.confusion,
             "reliability": [asdict(part) for part in self.figures.bins],
             "cases": [asdict(score) for score in self.scores],

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hidden_effects.case import GENERATORS, Case, write_manifest
 from hidden_effects.families import FAMILIES
+from hidden_effects.isolability import limits_table
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -27,8 +28,9 @@ def main(arguments: list[str] | None = None) -> int:
     separate.add_argument("--family", choices=FAMILIES)
     separate.add_argument("--generator", choices=tuple(GENERATORS), default="first")
     separate.add_argument("--rivals", nargs="+", required=True, help="names of effects")
+    commands.add_parser("limits", help="sizes from which the shipped manoeuvres show each effect, by theory")
     given = parser.parse_args(arguments)
-    return _cases(given) if given.command == "cases" else _separate(given)
+    return {"cases": _cases, "separate": _separate, "limits": _limits}[given.command](given)
 
 
 def _cases(given: argparse.Namespace) -> int:
@@ -45,6 +47,11 @@ def _cases(given: argparse.Namespace) -> int:
 def _separate(given: argparse.Namespace) -> int:
     case = Case(given.seed, given.index, given.family, given.generator)
     print(json.dumps(case.separation(given.rivals)))
+    return 0
+
+
+def _limits(given: argparse.Namespace) -> int:
+    print(json.dumps(limits_table()))
     return 0
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hidden_effects.car import BALANCE_SCATTER, DATA_SHEET, Numbers, as_record, nominal_car
-from hidden_effects.effects import HiddenEffect
+from hidden_effects.effects import EFFECTS, HiddenEffect
 from hidden_effects.manoeuvres import SIX, Script
 from hidden_effects.outputs import INDEX
 from hidden_effects.recording import CYCLE_S
@@ -110,7 +110,7 @@ class Point:
 def effect_column(effect: HiddenEffect, place: int, point: Point) -> FloatArray:
     """Change of the whitened replay by an effect of one scatter, from a small step in its direction."""
     car, chain = dict(point.car), dict(point.chain)
-    step = _STEP * effect.signs[-1]
+    step = _STEP if effect.relative else _STEP * effect.signs[-1]
     effect.change(car, chain, step * effect.scatter, place)
     return point.change(car, chain) / step
 
@@ -153,6 +153,23 @@ def detection_limit(effect: HiddenEffect, point: Point, nuisance: FloatArray) ->
     places = range(max(effect.places, 1))
     per_scatter = min(expected_evidence(effect_column(effect, place, point), nuisance) for place in places)
     return float(np.sqrt(EVIDENCE_NEEDED / max(per_scatter, 1e-12)))
+
+
+def limits_table() -> list[dict[str, str | float]]:
+    """Every effect with its scatter, the limit by theory, and the range of sizes that is drawn, in scatters."""
+    point = nominal_point()
+    nuisance = scatter_columns(point)
+    return [
+        {
+            "effect": effect.name,
+            "unit": effect.unit,
+            "scatter": effect.scatter,
+            "limit": detection_limit(effect, point, nuisance),
+            "smallest": effect.smallest,
+            "largest": effect.largest,
+        }
+        for effect in EFFECTS
+    ]
 
 
 def separation(
