@@ -80,7 +80,7 @@ def disturb(data: RunArrays, latency_ticks: int, lost_frames: float) -> RunArray
     Parameters
     ----------
     latency_ticks : int
-        Rows by which decoded signals come later; their ages are larger by as much.
+        Rows by which decoded signals come later. What is late from the first frame on nobody can tell: ages stay.
     lost_frames : float
         Share of the frames of each kind that does not arrive: the value before is held, its age goes on.
     """
@@ -97,8 +97,7 @@ def disturb(data: RunArrays, latency_ticks: int, lost_frames: float) -> RunArray
             rows, ages = _lose(ages, lost_frames, sorted(groups).index(age))
         if latency_ticks:
             rows = np.concatenate((np.zeros(latency_ticks, np.int64), rows[:-latency_ticks]))
-            late = ages[:-latency_ticks] + 1e-3 * latency_ticks
-            ages = np.concatenate((np.full(latency_ticks, np.inf), late))
+            ages = np.concatenate((np.full(latency_ticks, np.inf), ages[:-latency_ticks]))
         columns[age] = ages
         for name in present:
             columns[name] = columns[name][rows]

@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from signals.errors import unknown_name
-
 WHEELS = ("fl", "fr", "rl", "rr")
 
 
@@ -67,7 +65,7 @@ class RobustnessPlan:
     perturbations: tuple[Perturbation, ...]
 
 
-_AS_ASSUMED = Level("as assumed")
+AS_ASSUMED = Level("as assumed")
 
 
 def _radius(factor: float) -> dict[str, float]:
@@ -92,7 +90,7 @@ _FRICTION = (
         "mass",
         "the car is heavier than its file says",
         (
-            _AS_ASSUMED,
+            AS_ASSUMED,
             Level("+10 %", {"body.mass": 1296 * 1.1}),
             Level("+20 %", {"body.mass": 1296 * 1.2}),
         ),
@@ -100,14 +98,14 @@ _FRICTION = (
     Perturbation(
         "wheel_radius",
         "the wheels are smaller than the file says",
-        (_AS_ASSUMED, Level("-1.5 %", _radius(0.985)), Level("-3 %", _radius(0.97))),
+        (AS_ASSUMED, Level("-1.5 %", _radius(0.985)), Level("-3 %", _radius(0.97))),
     ),
     Perturbation(
         "grade",
         "the road is not level",
         (
             Level("-5 %", {"road.grade": -0.05}),
-            _AS_ASSUMED,
+            AS_ASSUMED,
             Level("+5 %", {"road.grade": 0.05}),
         ),
     ),
@@ -115,7 +113,7 @@ _FRICTION = (
         "accelerometer_offset",
         "the accelerometer has an offset",
         (
-            _AS_ASSUMED,
+            AS_ASSUMED,
             Level("0.1 m/s²", {"sensors.longitudinal_acceleration.offset": 0.1}),
             Level("0.3 m/s²", {"sensors.longitudinal_acceleration.offset": 0.3}),
         ),
@@ -123,17 +121,17 @@ _FRICTION = (
     Perturbation(
         "sensor_noise",
         "the sensors are noisier",
-        (_AS_ASSUMED, Level("x 2", _noise(2.0)), Level("x 5", _noise(5.0))),
+        (AS_ASSUMED, Level("x 2", _noise(2.0)), Level("x 5", _noise(5.0))),
     ),
     Perturbation(
         "latency",
         "the signals come later",
-        (_AS_ASSUMED, Level("10 ms", latency_ticks=10), Level("20 ms", latency_ticks=20)),
+        (AS_ASSUMED, Level("10 ms", latency_ticks=10), Level("20 ms", latency_ticks=20)),
     ),
     Perturbation(
         "lost_frames",
         "frames are lost",
-        (_AS_ASSUMED, Level("2 %", lost_frames=0.02), Level("5 %", lost_frames=0.05)),
+        (AS_ASSUMED, Level("2 %", lost_frames=0.02), Level("5 %", lost_frames=0.05)),
     ),
     Perturbation(
         "adaptive_damper",
@@ -161,7 +159,7 @@ _FRICTION = (
         "grip_jump",
         "the grip falls during the stop",
         (
-            _AS_ASSUMED,
+            AS_ASSUMED,
             Level("1 to 0.8", {"road.jumps": [{"position": "74 m", "friction": 0.8}]}),
             Level("1 to 0.6", {"road.jumps": [{"position": "74 m", "friction": 0.6}]}),
         ),
@@ -170,7 +168,7 @@ _FRICTION = (
         "rubber",
         "other rubber: the curve's stiffness k2 is not that of the filter",
         (
-            _AS_ASSUMED,
+            AS_ASSUMED,
             Level("softer, 10", _tyres(front__stiffness=10.0, rear__stiffness=10.0)),
             Level("two kinds", _tyres(front__stiffness=20.0, rear__stiffness=10.0)),
             Level("harder, 25", _tyres(front__stiffness=25.0, rear__stiffness=25.0)),
@@ -183,32 +181,16 @@ _FRICTION = (
     ),
 )
 
-PLANS: dict[str, RobustnessPlan] = {
-    "friction": RobustnessPlan(
-        "friction/e10_abs_grip_jump",
-        {"road.jumps": []},
-        {
-            "friction_ekf": {"torque_mode": "known"},
-            "friction_ekf_unknown_torque": {"torque_mode": "z2"},
-            "friction_ukf": {"torque_mode": "known"},
-            "slip_slope_rls": {},
-            "simple_braking": {},
-        },
-        {"speed": "rmse", "friction_limit_mean": "relative", "friction_used_mean": "rmse"},
-        _FRICTION,
-    ),
-}
-
-
-def plan_of(group: str) -> RobustnessPlan:
-    """What a group is tried on.
-
-    Raises
-    ------
-    InputError
-        If there is nothing for it.
-    """
-    try:
-        return PLANS[group]
-    except KeyError:
-        raise unknown_name("group of estimators with a robustness plan", group, tuple(PLANS)) from None
+FRICTION_PLAN = RobustnessPlan(
+    "friction/e10_abs_grip_jump",
+    {"road.jumps": []},
+    {
+        "friction_ekf": {"torque_mode": "known"},
+        "friction_ekf_unknown_torque": {"torque_mode": "z2"},
+        "friction_ukf": {"torque_mode": "known"},
+        "slip_slope_rls": {},
+        "simple_braking": {},
+    },
+    {"speed": "rmse", "friction_limit_mean": "relative", "friction_used_mean": "rmse"},
+    _FRICTION,
+)
