@@ -148,4 +148,36 @@ def effects(
         print(catalogue_text(shown))
 
 
+@app.command("plan")
+def plan(
+    effects: Annotated[
+        list[str], typer.Argument(metavar="DIR|EFFECT...", help="Folder of a diagnosis, or effects to be told apart.")
+    ],
+    vehicle: VehicleOption = None,
+    channels: ChannelsOption = None,
+    size: Annotated[
+        float, typer.Option(min=0.01, help="Size of the effects, in their usual sizes (bench diagnose explain).")
+    ] = 1.0,
+    as_json: JsonOption = False,
+) -> None:
+    """Say which manoeuvre would tell causes apart that a diagnosis could not.
+
+    Every manoeuvre of a library is simulated with the car and ranked by the evidence to be expected of it; 3 is enough.
+    Where none is enough, the sensor is named that would be.
+
+    Examples: bench diagnose plan runs/worn_pads/diagnosis --vehicle ekf_car
+
+    bench diagnose plan mass_change aero_drag --vehicle ekf_car
+    """
+    from bench.diagnosis.planning import plan_json, plan_text, planned
+    from bench.diagnosis.progress import SearchProgress
+
+    with SearchProgress(quiet=as_json) as progress:
+        result = planned(effects, vehicle, channels=channels, size=size, progress=progress)
+    if as_json:
+        print_json(plan_json(result))
+    else:
+        print(plan_text(result))
+
+
 app.command("challenge")(diagnose_challenge.challenge)

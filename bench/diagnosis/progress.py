@@ -1,4 +1,4 @@
-"""Progress of a long search on standard error: a bar on a terminal, a line for each step elsewhere."""
+"""Progress of a long search on standard error: a bar on a terminal, a line every few seconds elsewhere."""
 
 import sys
 import time
@@ -6,6 +6,9 @@ from types import TracebackType
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+
+LINE_EVERY_S = 2.0
 
 
 class SearchProgress:
@@ -21,6 +24,7 @@ class SearchProgress:
         self._quiet = quiet
         self._started = time.perf_counter()
         self._said = ""
+        self._next_line_s = 0.0
         self._bar: Progress | None = None
         if sys.stderr.isatty() and not quiet:
             console = Console(stderr=True)
@@ -43,6 +47,8 @@ class SearchProgress:
         """Show what is being done and how much of the whole is done."""
         if self._bar is not None:
             self._bar.update(self._task, description=step, completed=share)
-        elif not self._quiet and step != self._said:
-            print(f"{time.perf_counter() - self._started:5.1f} s  {100 * share:3.0f} %  {step}", file=sys.stderr)
-            self._said = step
+            return
+        seconds = time.perf_counter() - self._started
+        if not self._quiet and step != self._said and seconds >= self._next_line_s:
+            print(f"{seconds:5.1f} s  {100 * share:3.0f} %  {step}", file=sys.stderr)
+            self._said, self._next_line_s = step, seconds + LINE_EVERY_S
