@@ -6,7 +6,7 @@ findings = diagnose(["drive.csv"], "car.yaml", "channels.yaml")
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import cast
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.data import check_data, read_manoeuvres
+from model_diagnosis.discovery.unknown import with_unknown
 from model_diagnosis.effects.catalogue import EFFECTS
 from model_diagnosis.effects.form import FORM_EFFECTS, FORM_HYDRAULICS_EFFECTS
 from model_diagnosis.evidence.answer import CauseDetail, causes
@@ -28,6 +29,7 @@ from model_diagnosis.evidence.selection import Accepted, Selection, Selector
 from model_diagnosis.evidence.structure import are_forced_together
 from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
 from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, compare
+from model_diagnosis.extension.extended_vehicle import FoundTerm
 from model_diagnosis.findings import Findings
 from model_diagnosis.held_out import gain_of, noise_std
 from model_diagnosis.manoeuvre import Manoeuvre
@@ -174,7 +176,11 @@ class _Pipeline:
         self.clock.begin("gain")
         answer = self._diagnosis(search, selection, details, wrong if is_wrong else None, shown, guilty, needed)
         answer.next_manoeuvre = following
-        findings = self._findings(answer, base, selection, search)
+        terms: list[FoundTerm] = []
+        if not details and not is_wrong:
+            self.clock.begin("unknown")
+            answer, terms = with_unknown(answer, self.replay, selection.nothing.theta, self.held_out, self.seed)
+        findings = replace(self._findings(answer, base, selection, search), terms=terms)
         self.clock.begin("")
         answer.timing_s.update(self.clock.seconds)
         return findings

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.extension.extended_vehicle import FoundTerm
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.result import Diagnosis
 
@@ -53,6 +54,7 @@ class Findings:
     sensor_std : signal -> the sensor's own noise in the signal's unit
     evidence : effect -> log Bayes factor against "nothing" from the sensitivities, for every effect that was tested
     logs : files as given
+    terms : discovered terms as the extended vehicle takes them
     """
 
     diagnosis: Diagnosis
@@ -61,3 +63,4 @@ class Findings:
     sensor_std: Mapping[str, float]
     evidence: Mapping[str, float] = field(default_factory=dict)
     logs: Sequence[str] = ()
+    terms: Sequence[FoundTerm] = ()

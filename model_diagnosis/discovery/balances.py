@@ -5,7 +5,7 @@ both sides.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ FloatArray = NDArray[np.float64]
 
 LONGITUDINAL, LATERAL, YAW, WHEEL = "longitudinal force", "lateral force", "yaw moment", "wheel torque"
 _FEWEST_SAMPLES = 300
+_CAR_AT_A_WHEEL = ("speed", "lateral_acceleration", "longitudinal_acceleration", "distance")
+"""Variables of the car that a wheel's torque may depend on; its rows are four times those of the car."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,23 @@ class Problem:
 
     balance: Balance
     variables: dict[str, Variable]
+
+    def part(self, drives: Sequence[int]) -> "Problem":
+        """The same on some of the drives."""
+
+        def of(series: Series) -> Series:
+            return tuple(series[m] for m in drives)
+
+        one = self.balance
+        balance = replace(
+            one,
+            error=of(one.error),
+            weights=of(one.weights),
+            forced={name: of(series) for name, series in one.forced.items()},
+            forces={name: replace(force, values=of(force.values)) for name, force in one.forces.items()},
+        )
+        variables = {name: replace(variable, values=of(variable.values)) for name, variable in self.variables.items()}
+        return Problem(balance, variables)
 
 
 @dataclass(frozen=True)
@@ -216,7 +235,8 @@ def _wheels(drives: Sequence[_Drive]) -> Problem | None:
         for name, unit, cumulative, of in _WHEEL_VARIABLES
         if name not in ("slip_angle",)
     ]
-    return Problem(balance, _present([*_car_variables([drive for drive, _ in rows], ""), *own]))
+    car = [one for one in _car_variables([drive for drive, _ in rows], "") if one.name in _CAR_AT_A_WHEEL]
+    return Problem(balance, _present([*car, *own]))
 
 
 def _lateral(drives: Sequence[_Drive]) -> Problem | None:

@@ -29,7 +29,7 @@ MOST_TERMS = 3
 LEAST_INCLUSION = 0.8
 SAME = 0.97
 """Correlation (after the forced columns) from which two terms are one and the simpler one is named."""
-_ONE = 0.995
+_ONE = 0.98
 """Correlation from which the simpler of two terms is named whatever their errors."""
 LEAST_SHARE = 0.05
 """Share of the remaining squared error that a term takes at least; less is the last form that does not quite fit."""
@@ -88,10 +88,10 @@ class _Search:
         self.raw = Pool.of([self._columns(candidate) for candidate in self.candidates])
         self.chosen: list[Candidate] = []
         self._take(self.forced)
-        self.largest_variance = float(np.sum(self.residual**2) / max(np.count_nonzero(self.root), 1))
+        used = int(np.count_nonzero(self.root))
+        self.largest_variance = float(np.sum(self.residual**2)) / max(used, 1)
         self.blocks = Blocks.of(balance, self._correlation_s())
-        correlation_s = max(float(self._correlation_s()), float(SAMPLE_TIME_S))
-        self.effective = max(float(np.count_nonzero(self.root)) * SAMPLE_TIME_S / correlation_s, 1.0)
+        self.effective = max(used * SAMPLE_TIME_S / max(self._correlation_s(), SAMPLE_TIME_S), 1.0)
 
     def _columns(self, candidate: Candidate) -> FloatArray:
         return columns_of(candidate, self.balance, self.variables) * self.root[:, None]

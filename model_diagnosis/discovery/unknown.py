@@ -10,15 +10,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.discovery.balances import Problem, problems_of
+from model_diagnosis.discovery.balances import LATERAL, LONGITUDINAL, WHEEL, YAW, Problem, problems_of
 from model_diagnosis.discovery.build import found_term, term_of_answer
 from model_diagnosis.discovery.disguise import disguised_as, effect_columns, term_columns
 from model_diagnosis.discovery.search import DiscoveredTerm, discover
+from model_diagnosis.discovery.term_gain import signal_of, term_residuals
 from model_diagnosis.extension.extended_vehicle import FoundTerm
+from model_diagnosis.gain import is_proven, measure_gain
 from model_diagnosis.replay.replay import Replay
+from model_diagnosis.result import Diagnosis, Gain
 from model_diagnosis.result import DiscoveredTerm as TermOfAnswer
+from signals.errors import InputError
 
 FloatArray = NDArray[np.float64]
+
+_TELLING = 2
+"""Manoeuvres on which a term is compared with the effects of the catalogue."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +52,36 @@ class Unknown:
         return found_term(self.problem.balance, self.term)
 
 
+def unknown_gain(
+    replay: Replay, theta: FloatArray, found: Sequence[Unknown], held_out: Replay | None, seed: int = 0
+) -> Gain | None:
+    """Gain of the terms on held-out manoeuvres, or by leaving out each manoeuvre in turn; None with one manoeuvre only.
+
+    Parameters
+    ----------
+    replay, held_out : Replay
+        Of the search's manoeuvres and of others, of the same vehicle and effects.
+    """
+    name = found[0].problem.balance.name
+    candidates = [one.term.candidate for one in found]
+    car = replay.car_at(theta)
+    scales = {LONGITUDINAL: float(car["mass"]), LATERAL: float(car["mass"]), YAW: float(car["yaw_inertia"])}
+    scale = scales.get(name, 1.0)
+    known = found[0].problem
+    if held_out is not None and len(held_out.manoeuvres):
+        others = problems_of(held_out, theta, [name])
+        residuals = term_residuals(known, others[0], candidates, scale) if others else []
+    else:
+        residuals = []
+        for m in range(len(known.balance.error) if len(known.balance.error) > 1 else 0):
+            rest = [k for k in range(len(known.balance.error)) if k != m]
+            residuals += term_residuals(known.part(rest), known.part([m]), candidates, scale)
+    if not residuals:
+        return None
+    noise = {signal_of(name): replay.sensor_std(signal_of(name)) if name in (LONGITUDINAL, LATERAL) else 0.0}
+    return measure_gain(residuals, noise, seed=seed, cross_validated=held_out is None)
+
+
 def discover_unknown(
     replay: Replay, theta: FloatArray, equations: Sequence[str] | None = None, *, seed: int = 0
 ) -> list[Unknown]:
@@ -59,15 +96,73 @@ def discover_unknown(
     for problem in problems_of(replay, theta, equations):
         terms = discover(problem.balance, problem.variables, seed=seed)
         if terms:
-            effects = effect_columns(replay, theta, problem.balance)
-            return [
-                Unknown(
-                    term,
-                    problem,
-                    disguised_as(
-                        term, problem.balance, term_columns(term, problem.balance, problem.variables), effects
-                    ),
-                )
-                for term in terms
-            ]
+            names = _disguises(replay, theta, problem, terms)
+            return [Unknown(term, problem, same_as) for term, same_as in zip(terms, names, strict=True)]
     return []
+
+
+def _disguises(
+    replay: Replay, theta: FloatArray, problem: Problem, terms: Sequence[DiscoveredTerm]
+) -> list[dict[str, float]]:
+    """Effects that each term is in disguise, on the manoeuvres that show the first term best."""
+    columns, start = term_columns(terms[0], problem.balance, problem.variables), 0
+    energy = np.zeros(len(replay.manoeuvres))
+    for m, error in enumerate(problem.balance.error):
+        energy[m % len(energy)] += float(np.sum(columns[start : start + len(error)] ** 2))
+        start += len(error)
+    telling = sorted(np.argsort(energy)[::-1][:_TELLING])
+    part = Replay(replay.vehicle, [replay.manoeuvres[m] for m in telling], replay.effects)
+    problems = problems_of(part, theta, [problem.balance.name])
+    if not problems:
+        return [{} for _ in terms]
+    balance, variables = problems[0].balance, problems[0].variables
+    if any(shape.variable not in variables for term in terms for shape in term.candidate.shapes):
+        return [{} for _ in terms]
+    effects = effect_columns(part, theta, balance)
+    return [disguised_as(term, balance, term_columns(term, balance, variables), effects) for term in terms]
+
+
+def with_unknown(
+    answer: Diagnosis, replay: Replay, theta: FloatArray, held_out: Replay | None, seed: int = 0
+) -> tuple[Diagnosis, list[FoundTerm]]:
+    """An answer that names no cause, with the terms that the data show beyond it; the same answer where there are none.
+
+    Terms without a gain on data that took no part are told in a remark and not kept.
+    """
+    found = discover_unknown(replay, theta, _equations(answer.guilty_equations), seed=seed)
+    if not found:
+        return answer, []
+    gain = unknown_gain(replay, theta, found, held_out, seed)
+    remarks = [*answer.remarks, *[_remark(one) for one in found if one.same_as]]
+    if gain is None or not is_proven(gain):
+        formulas = "; ".join(one.term.formula for one in found)
+        remarks.append(f"an unknown term ({formulas}) shows no gain on data that took no part and is not kept")
+        return answer.model_copy(update={"remarks": remarks}), []
+    terms = []
+    for one in found:
+        try:
+            terms.append(one.for_the_car)
+        except InputError as error:
+            remarks.append(error.message)
+    verdict = "effect_found" if answer.verdict == "nothing_found" else answer.verdict
+    changes = {
+        "verdict": verdict,
+        "discovered_terms": [one.answer for one in found],
+        "gain": gain,
+        "remarks": remarks,
+    }
+    return answer.model_copy(update=changes), terms
+
+
+def _equations(guilty: Mapping[str, float]) -> list[str]:
+    """Balances of the car, the most violated first; the wheels' only where they are more violated than all of these."""
+    ranked = sorted((name for name in guilty if name in (LONGITUDINAL, LATERAL, YAW)), key=lambda name: -guilty[name])
+    wheels = max((value for name, value in guilty.items() if name.startswith(WHEEL)), default=0.0)
+    of_the_car = max((guilty[name] for name in ranked), default=0.0)
+    order = ranked or [LONGITUDINAL, LATERAL, YAW]
+    return [*order, WHEEL] if wheels > of_the_car else order
+
+
+def _remark(one: Unknown) -> str:
+    names = ", ".join(f"{name} ({correlation:.2f})" for name, correlation in one.same_as.items())
+    return f"{one.term.formula}: on this data the same as {names}"
