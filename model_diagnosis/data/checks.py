@@ -46,12 +46,11 @@ def check_data(
     for compare in (check_units, check_swapped_wheels):
         found, repaired = compare(repaired, geometry)
         faults += found
-    found, repaired = check_low_pass(repaired, geometry)
+    replayable = replay if replay is not None and _can_be_replayed(repaired, vehicle, replay) else None
+    found, repaired = check_low_pass(repaired, geometry, _replayed(repaired, vehicle, replayable))
     faults += found
-    found, repaired = _check_delays(repaired, geometry, vehicle, None)
-    faults += found
-    if replay is not None and _can_be_replayed(repaired, vehicle, replay):
-        found, repaired = _check_delays(repaired, geometry, vehicle, replay)
+    for judge in (None, replayable) if replayable is not None else (None,):
+        found, repaired = _check_delays(repaired, geometry, vehicle, judge)
         faults += found
     return distinct(faults), repaired
 
@@ -64,14 +63,20 @@ def _can_be_replayed(manoeuvres: Sequence[Manoeuvre], vehicle: VehicleFile, repl
     return True
 
 
+def _replayed(
+    manoeuvres: Sequence[Manoeuvre], vehicle: VehicleFile, replay: ReplayFactory | None
+) -> list[Manoeuvre] | None:
+    if replay is None:
+        return None
+    model = replay(vehicle, manoeuvres)
+    return replayed_manoeuvres(model, manoeuvres, np.zeros(len(model.columns)))
+
+
 def _check_delays(
     manoeuvres: Sequence[Manoeuvre], geometry: Geometry, vehicle: VehicleFile, replay: ReplayFactory | None
 ) -> tuple[list[DataFault], list[Manoeuvre]]:
     """Late channels; with a replay the small ones, each accepted by its innovations unless it is plainly large."""
-    replayed = None
-    if replay is not None:
-        model = replay(vehicle, manoeuvres)
-        replayed = replayed_manoeuvres(model, manoeuvres, np.zeros(len(model.columns)))
+    replayed = _replayed(manoeuvres, vehicle, replay)
     relations = lag_relations(manoeuvres, geometry, replayed)
     repaired = list(manoeuvres)
     commands = find_command(repaired, relations, vehicle)

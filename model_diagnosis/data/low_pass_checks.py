@@ -20,12 +20,14 @@ from model_diagnosis.result import DataFault
 CHANNELS = ("longitudinal_acceleration", "lateral_acceleration", "yaw_rate", "speed")
 _TIME_CONSTANTS_S = np.geomspace(0.03, 5.0, 14)
 _BAND_HZ = (0.05, 4.0)
+_SLOW_BAND_HZ = (0.05, 1.5)
 _WIDEST_LAG_S = 2.5
 _SHORTEST_S = {AX_WHEELS.name: 0.3, AX_SPEED.name: 0.08, AY_YAW.name: 0.1, YAW_WHEELS.name: 0.08}
 """Time constants that the car itself makes between the sides: slip for ax and wheels, side slip for ay and yaw rate."""
 _SHORTEST_REPLAYED_S = 0.06
-_SHARE = 0.6
-_WORST_FIT = 0.6
+_SHARE_OF_TWIN = 0.35
+_SHARE_OF_REPLAY = 0.5
+_WORST_FIT = 0.3
 _WELL_EXPLAINED = 0.02
 """Share of a channel's power that a delay may leave unexplained without any further question."""
 _GAIN = 20.0
@@ -35,12 +37,20 @@ _RESTORED_UP_TO_S = 0.6
 
 @dataclass(frozen=True)
 class _Pair:
-    """A channel's series and the same quantity without a filter, per manoeuvre."""
+    """A channel's series and the same quantity without a filter, per manoeuvre.
+
+    Attributes
+    ----------
+    shortest_s : time constants below are the car's own
+    share : of what a delay leaves unexplained, that a filter may leave to be named
+    """
 
     filtered: Sequence[FloatArray]
     plain: Sequence[FloatArray]
     valid: Sequence[BoolArray]
     shortest_s: float
+    share: float
+    band_hz: tuple[float, float] = _BAND_HZ
 
 
 def first_order(values: FloatArray, time_constant_s: float) -> FloatArray:
@@ -60,9 +70,9 @@ def smoothed(values: FloatArray, time_constant_s: float) -> FloatArray:
     return result
 
 
-def _unexplained(pair: _Pair, plain: Sequence[FloatArray]) -> float:
-    """Share of the filtered side's power that no delay of the plain side explains."""
-    total = correlations(pair.filtered, plain, pair.valid, _WIDEST_LAG_S, _BAND_HZ, COARSE_STEP).sum(axis=0)
+def _unexplained(pair: _Pair, plain: Sequence[FloatArray], step: int = 1) -> float:
+    """Share of the filtered side's power that no delay of the plain side explains, by delays of ``step`` samples."""
+    total = correlations(pair.filtered, plain, pair.valid, _WIDEST_LAG_S, pair.band_hz, step).sum(axis=0)
     return 1.0 - float(np.clip(np.max(total), 0.0, 1.0)) ** 2
 
 
@@ -70,14 +80,15 @@ def _fit(pair: _Pair) -> tuple[float, float]:
     """Time constant [s] and log likelihood that it wins over a pure delay; (0, 0) where it does not."""
     if _unexplained(pair, pair.plain) < _WELL_EXPLAINED:
         return 0.0, 0.0
-    shares = np.array([_unexplained(pair, [first_order(p, float(t)) for p in pair.plain]) for t in _TIME_CONSTANTS_S])
+    filtered = [[first_order(p, float(t)) for p in pair.plain] for t in _TIME_CONSTANTS_S]
+    shares = np.array([_unexplained(pair, plain, COARSE_STEP) for plain in filtered])
     k = int(np.argmin(shares))
-    share = max(float(shares[k]), 1e-4)
+    share = max(_unexplained(pair, filtered[k]), 1e-4)
     if _TIME_CONSTANTS_S[k] < pair.shortest_s or share > _WORST_FIT:
         return 0.0, 0.0
     delayed = (list(pair.plain), [smoothed(p, float(_TIME_CONSTANTS_S[k])) for p in pair.plain])
     unexplained = min(_unexplained(pair, plain) for plain in delayed)
-    if share > _SHARE * unexplained:
+    if share > pair.share * unexplained:
         return 0.0, 0.0
     seconds = SAMPLE_TIME_S * sum(float(v.sum()) for v in pair.valid)
     gain = 0.5 * _INDEPENDENT_PER_S * seconds * float(np.log(unexplained / share))
@@ -99,24 +110,26 @@ def _pairs(
     manoeuvres: Sequence[Manoeuvre], geometry: Geometry, channel: str, replayed: Sequence[Manoeuvre] | None
 ) -> list[_Pair]:
     if replayed is not None:
-        rows = [
-            (m.channels[channel], r.channels[channel], reached(m, channel))
-            for m, r in zip(manoeuvres, replayed, strict=True)
-            if channel in m.channels and channel in r.channels
+        both = [
+            (m, r) for m, r in zip(manoeuvres, replayed, strict=True) if channel in m.channels and channel in r.channels
         ]
-        derived = slope if channel == "speed" else np.asarray
-        return [
-            _Pair([derived(a) for a, _, _ in rows], [derived(b) for _, b, _ in rows], [v for *_, v in rows],
-                  _SHORTEST_REPLAYED_S)
-        ] if rows else []  # fmt: skip
+        if not both:
+            return []
+        # a speed's level hardly tells a filter from a delay, its slow changes do
+        change = slope if channel == "speed" else np.asarray
+        measured = [change(m.channels[channel]) for m, _ in both]
+        predicted = [change(r.channels[channel]) for _, r in both]
+        valid = [reached(m, channel) for m, _ in both]
+        band_hz = _SLOW_BAND_HZ if channel == "speed" else _BAND_HZ
+        return [_Pair(measured, predicted, valid, _SHORTEST_REPLAYED_S, _SHARE_OF_REPLAY, band_hz)]
     found = []
     for twin in twins_of(manoeuvres, geometry):
         if twin.kind.name not in _SHORTEST_S:
             continue
         if twin.kind.late == channel:
-            found.append(_Pair(twin.left, twin.right, twin.valid, _SHORTEST_S[twin.kind.name]))
+            found.append(_Pair(twin.left, twin.right, twin.valid, _SHORTEST_S[twin.kind.name], _SHARE_OF_TWIN))
         elif twin.kind.early == channel:
-            found.append(_Pair(twin.right, twin.left, twin.valid, _SHORTEST_S[twin.kind.name]))
+            found.append(_Pair(twin.right, twin.left, twin.valid, _SHORTEST_S[twin.kind.name], _SHARE_OF_TWIN))
     return found
 
 
