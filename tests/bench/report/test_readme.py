@@ -6,7 +6,14 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
-PAGES = ("README.md", "docs/report.md", "docs/dashboard.md", "docs/event_sequence.md", "docs/design_decisions.md")
+PAGES = (
+    "README.md",
+    "docs/report.md",
+    "docs/diagnosis.md",
+    "docs/dashboard.md",
+    "docs/event_sequence.md",
+    "docs/design_decisions.md",
+)
 
 
 @pytest.mark.parametrize("page", PAGES)
