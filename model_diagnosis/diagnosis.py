@@ -51,6 +51,9 @@ Source = Sequence[Manoeuvre] | Sequence[str | Path]
 REPLAYED = (*EFFECTS, *FORM_EFFECTS, *FORM_HYDRAULICS_EFFECTS)
 """Effects that the replay carries: the catalogue, and what is allowed without ever being named."""
 
+REFIT_MARGIN = 3.0
+"""Log evidence below the threshold from which an effect is still refitted."""
+
 STEPS = {"data": 0.0, "base": 0.1, "threshold": 0.4, "search": 0.42, "answer": 0.8, "plan": 0.88, "gain": 0.95}
 """Share of the whole at which each step begins, for the progress bar."""
 
@@ -199,7 +202,8 @@ class _Pipeline:
             [one.columns for one in hypotheses],
             np.random.default_rng(self.seed),
         )
-        return Search(base.problem, hypotheses), threshold(maxima, int(excited.sum()))
+        needed = threshold(maxima, int(excited.sum()))
+        return Search(base.problem, hypotheses, needed - REFIT_MARGIN), needed
 
     def _causes(self, search: Search, selection: Selection) -> list[CauseDetail]:
         alike = [look_alikes(search, selection, one, self._forced(one)) for one in selection.accepted]

@@ -106,11 +106,15 @@ def linear_evidence(
 
 
 class Search:
-    """Search over the hypotheses of one prepared problem."""
+    """Search over the hypotheses of one prepared problem.
 
-    def __init__(self, problem: Problem, hypotheses: Sequence[Hypothesis]) -> None:
+    Candidates whose evidence by sensitivities or grid stays below ``worth_a_refit`` are not refitted, but for the best.
+    """
+
+    def __init__(self, problem: Problem, hypotheses: Sequence[Hypothesis], worth_a_refit: float = -np.inf) -> None:
         self.problem = problem
         self.hypotheses = list(hypotheses)
+        self.worth_a_refit = worth_a_refit
 
     def stage(self, accepted: Sequence[Hypothesis], nothing_more: Fit, linearisation: Linearisation) -> Stage:
         """Linear evidence of everything beside ``accepted`` at its fit."""
@@ -127,12 +131,12 @@ class Search:
         starts: dict[int, list[FloatArray]] = {}
         open_ones = [number for number in range(len(self.hypotheses)) if self._is_open(stage, number)]
         base = self._quadratic(stage.linearisation, stage.nothing_more.theta)
-        for number in self._top(stage.linear, open_ones, FROM_BASE):
+        for number in self._worth(stage.linear, self._top(stage.linear, open_ones, FROM_BASE)):
             starts.setdefault(number, []).append(self._linear_start(base, stage, number))
         if saturated is not None:
             quadratic = self._quadratic(saturated, saturated.theta)
             linear = linear_evidence(self.problem, quadratic, self.hypotheses, stage.accepted)
-            for number in self._top(linear, open_ones, FROM_SATURATED):
+            for number in self._worth(linear, self._top(linear, open_ones, FROM_SATURATED)):
                 starts.setdefault(number, []).append(self._linear_start(quadratic, stage, number))
         linear = stage.linear if saturated is None else np.maximum(stage.linear, linear)
         count = EFFECTS_ON_GRID if stage.accepted else EFFECTS_ON_GRID_FIRST
@@ -211,6 +215,7 @@ class Search:
     def _top(self, evidence: FloatArray, open_ones: Sequence[int], count: int) -> list[int]:
         """Best hypotheses of the ``count`` best effects; of a discrete effect every value."""
         best: dict[int, list[int]] = {}
+        open_ones = [number for number in open_ones if np.isfinite(evidence[number])]
         for number in sorted(open_ones, key=lambda one: -evidence[one]):
             known = best.setdefault(self.hypotheses[number].effect, [])
             if not known or self.hypotheses[number].value is not None:
@@ -236,11 +241,15 @@ class Search:
                 cost, start = self._grid_point(stage, theta, widths, column)
                 if cost < found.get(number, (np.inf,))[0]:
                     found[number] = (cost, start)
-        best = sorted(found, key=lambda number: found[number][0])
-        chosen = self._top(
-            np.array([-found[n][0] if n in found else -np.inf for n in range(len(self.hypotheses))]), best, FROM_GRID
-        )
+        expected = np.full(len(self.hypotheses), -np.inf)
+        for number, (cost, _) in found.items():
+            expected[number] = -0.5 * (cost - stage.nothing_more.cost)
+        chosen = self._worth(expected, self._top(expected, singles, FROM_GRID))
         return [(number, found[number][1]) for number in chosen]
+
+    def _worth(self, evidence: FloatArray, numbers: Sequence[int]) -> list[int]:
+        """Those worth a refit; the first always."""
+        return [number for k, number in enumerate(numbers) if k == 0 or evidence[number] > self.worth_a_refit]
 
     def _grid_point(self, stage: Stage, theta: FloatArray, widths: FloatArray, column: int) -> tuple[float, FloatArray]:
         """Cost expected after one step of all columns from a grid point, and the point it leads to."""
