@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from model_diagnosis.data.delay_checks import LagRelation, Late
+from model_diagnosis.data.sample_values import noise_of
 from model_diagnosis.data.samples import FloatArray
 from model_diagnosis.data.twins import members
 from model_diagnosis.manoeuvre import Manoeuvre
@@ -17,13 +18,6 @@ _LEAD_S = 0.02
 _QUIET = 0.15
 _LEAST_SAMPLES = 50
 _USUAL_NOISE = {"brake_pressure": 1e4, "steering": 2e-3}
-
-
-def noise_of(values: FloatArray) -> float:
-    """Standard deviation of the noise, of third differences, which leave no smooth motion (20 times its variance)."""
-    if len(values) < 10:
-        return 0.0
-    return float(1.4826 * np.median(np.abs(np.diff(values, 3))) / np.sqrt(20.0))
 
 
 def is_quiet(manoeuvres: Sequence[Manoeuvre], group: str, vehicle: VehicleFile) -> bool:

@@ -20,6 +20,8 @@ _RATES = ("roll_rate", "pitch_rate", "vertical_acceleration", "side_slip_angle")
 _STUCK_S = 0.2
 _CONTEXT_S = 1.0
 _MOVING_HALF = 5
+_NOISE_OF_SPAN = 2e-4
+"""Noise over a channel's span below which it is the rounding of a noise-free signal, which may well stand still."""
 
 
 def is_motion(name: str) -> bool:
@@ -48,6 +50,13 @@ def resolution(values: FloatArray) -> float:
     steps = np.abs(np.diff(values))
     steps = steps[steps > 0.0]
     return float(np.percentile(steps, 0.5)) if len(steps) else 0.0
+
+
+def noise_of(values: FloatArray) -> float:
+    """Standard deviation of the noise, of third differences, which leave no smooth motion (20 times its variance)."""
+    if len(values) < 10:
+        return 0.0
+    return float(1.4826 * np.median(np.abs(np.diff(values, 3))) / np.sqrt(20.0))
 
 
 def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
@@ -182,7 +191,8 @@ def _moving(values: FloatArray, steps: FloatArray, quantum: float) -> BoolArray:
     usual = np.zeros(len(steps))
     usual[enough] = np.nanmedian(around[enough], axis=1)
     rests = np.isin(values[:-1], (0.0, values.min(), values.max()))
-    active: BoolArray = (steep | (usual > 2.5 * quantum)) & ~rests
+    noisy = noise_of(values) > _NOISE_OF_SPAN * span
+    active: BoolArray = (steep | ((usual > 2.5 * quantum) & noisy)) & ~rests
     return active
 
 
@@ -237,10 +247,11 @@ def _is_improbable(values: FloatArray, runs: Runs, k: int, context: int) -> bool
     sides = [side for side in (before, after) if len(side) >= 10]
     if not sides:
         return False
+    least_noise = _NOISE_OF_SPAN * float(np.ptp(values))
     for side in sides:
-        noise = np.mean(np.diff(side) != 0.0)
+        noisy = noise_of(np.cumsum(side)) > least_noise
         equal = max(float(np.mean(side == 0.0)), 1.0 / len(side))
-        if noise < 0.5 or (length - 1) * np.log(equal) > np.log(CHANCE):
+        if not noisy or (length - 1) * np.log(equal) > np.log(CHANCE):
             return False
     return True
 

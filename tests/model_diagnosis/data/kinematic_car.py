@@ -1,8 +1,8 @@
 """A car of a few lines for tests of the data checks: kinematics, a slip per force, sensors, a logger.
 
 It shares nothing with the product but numbers of its vehicle: planar motion with a first-order yaw answer to
-v delta/(L + K v²), side slip of the rear axle's compliance, wheel slip proportional to braking or driving force, body pitch into the
-accelerometer; noise, quantisation, a CAN period with jitter and a few lost frames.
+v delta/(L + K v²), side slip of the rear axle's compliance, wheel slip proportional to braking or driving force, body
+pitch into the accelerometer; noise, quantisation, a CAN period with jitter and a few lost frames.
 """
 
 import csv
@@ -137,15 +137,21 @@ def logged(
     jitter_s: float = 8e-4,
     drop: float = 0.001,
     noise: float = 1.0,
+    quiet: tuple[str, ...] = (),
 ) -> dict[str, tuple[Array, Array]]:
     """(stamps, values) of each channel: one clock, noise with colour in the accelerations, quantised, frames lost."""
     count = int(driven.time[-1] / period_s)
-    stamps = np.cumsum(np.full(count, period_s)) - period_s + np.clip(jitter_s * rng.standard_normal(count), -4e-3, 4e-3)
+    stamps = (
+        np.cumsum(np.full(count, period_s)) - period_s + np.clip(jitter_s * rng.standard_normal(count), -4e-3, 4e-3)
+    )
     stamps = np.maximum.accumulate(np.maximum(stamps, 0.0)) + 1e-6 * np.arange(count)
     stamps = stamps[rng.random(count) >= drop]
     channels = {}
     for name, (_, sigma, quantum) in CHANNELS.items():
         values = np.interp(stamps, driven.time, signals[name])
+        if name in quiet:
+            channels[name] = (stamps, values)
+            continue
         error = sigma * noise * rng.standard_normal(len(stamps))
         if name.endswith("acceleration"):
             for k in range(1, len(error)):
