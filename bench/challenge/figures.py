@@ -101,6 +101,7 @@ def figures_of(scores: Sequence[CaseScore]) -> Figures:
             (0.8, 1.0),
         ),
         _share("look-alikes named as a group", _of(scores, "confounded"), lambda s: s.right_verdict),
+        _share("proposed data separate look-alikes", scores, lambda s: s.separated),
         _share("unexcited effect told as such", _of(scores, "unexcited"), lambda s: s.right_verdict),
         _share("wrong vehicle told as such", _of(scores, "wrong_vehicle"), lambda s: s.right_verdict),
         _share("effect of one manoeuvre first", _of(scores, "one_manoeuvre"), lambda s: s.first),

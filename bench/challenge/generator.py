@@ -71,6 +71,14 @@ def separate(
     return result
 
 
+def record_further(
+    folder: Path, *, seed: int, index: int, family: str | None, generator: str, script: Path | None, channel: str
+) -> None:
+    """Write a case again with a further manoeuvre (``script``, JSON) or a channel that was missing ("" for none)."""
+    words = ["further", "--seed", str(seed), "--index", str(index), "--out", str(folder), "--channel", channel]
+    _run([*words, *(["--script", str(script)] if script is not None else []), *_choice(family, generator)])
+
+
 def _choice(family: str | None, generator: str) -> list[str]:
     return ["--generator", generator, *(["--family", family] if family is not None else [])]
 

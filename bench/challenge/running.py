@@ -59,6 +59,7 @@ def run_challenge(
     out: Path | None = None,
     looks: Path | None = None,
     measure_gain: bool = True,
+    check_plans: bool = True,
     progress: Progress | None = None,
 ) -> ChallengeResult:
     """Generate cases, diagnose them all, record the answers, open the seals, score.
@@ -73,6 +74,7 @@ def run_challenge(
     out : folder to keep cases, answers and score in; a folder that a broken-off run left goes on from its answers
     looks : log of looks at table seeds
     measure_gain : compare held-out gains with those of the true effect, which costs another fit per case
+    check_plans : record look-alikes again with the manoeuvre or sensor that was proposed, and diagnose that
     progress : called with what is being done and the share done, 0 to 1
 
     Raises
@@ -89,9 +91,9 @@ def run_challenge(
     refuse_second_look(seed, family, generator, looks)
     if out is None:
         with TemporaryDirectory(prefix="challenge-") as folder:
-            run = _Run(Path(folder), seed, count, family, generator, jobs, looks, measure_gain, progress)
+            run = _Run(Path(folder), seed, count, family, generator, jobs, looks, measure_gain, check_plans, progress)
             return run.result(None)
-    return _Run(out, seed, count, family, generator, jobs, looks, measure_gain, progress).result(out)
+    return _Run(out, seed, count, family, generator, jobs, looks, measure_gain, check_plans, progress).result(out)
 
 
 @dataclass
@@ -104,6 +106,7 @@ class _Run:
     jobs: int
     looks: Path | None
     measure_gain: bool
+    check_plans: bool
     progress: Progress | None
 
     def result(self, kept: Path | None) -> ChallengeResult:
@@ -141,6 +144,19 @@ class _Run:
         self._tell("cases", 0.0)
         return generate(cases, sealed, seed=self.seed, count=self.count, family=self.family, generator=self.generator)
 
+    def _separated(self, index: int, case: Path, label: dict[str, Any], diagnosis: dict[str, Any]) -> bool | None:
+        from bench.challenge.planned import separated_by_plan
+
+        return separated_by_plan(
+            self.folder / "planned" / case.name,
+            label,
+            diagnosis,
+            seed=self.seed,
+            index=index,
+            family=self.family,
+            generator=self.generator,
+        )
+
     def _label(self, answers: list[Path], case: Path) -> dict[str, Any]:
         return open_seal(self.folder, answers, case, self.folder / "sealed" / f"{case.name}.json")
 
@@ -153,4 +169,6 @@ class _Run:
             from bench.challenge.true_gain import gain_share
 
             score.gain_share = gain_share(case, label, answer["diagnosis"])
+        if self.check_plans and label["family"] == "confounded" and "diagnosis" in answer:
+            score.separated = self._separated(index, case, label, answer["diagnosis"])
         return score

@@ -49,6 +49,7 @@ class CaseScore:
     physics_named: bool | None = None
     fault_invented: bool | None = None
     right_verdict: bool | None = None
+    separated: bool | None = None
     variables: bool | None = None
     parameter_error: float | None = None
     covered: bool | None = None

@@ -34,7 +34,7 @@ def _true_ratio(case: Path, names: Sequence[str]) -> float | None:
     from model_diagnosis.data import check_data, read_manoeuvres
     from model_diagnosis.evidence.base import fit_base
     from model_diagnosis.evidence.hypotheses import hypotheses_of
-    from model_diagnosis.evidence.priors import Priors, stated_scatter
+    from model_diagnosis.evidence.priors import Priors
     from model_diagnosis.evidence.search import Search
     from model_diagnosis.gain import held_out_residuals, measure_gain
     from model_diagnosis.held_out import noise_std
@@ -50,8 +50,7 @@ def _true_ratio(case: Path, names: Sequence[str]) -> float | None:
     except BenchError:
         return None
     replay, held_out_replay = Replay(vehicle, manoeuvres), Replay(vehicle, held_out)
-    scatter = stated_scatter(replay.parameters, vehicle.scatter, lambda column: replay.physical(column, 0.0)[2])
-    base = fit_base(replay, Priors.of(replay.parameters, scatter))
+    base = fit_base(replay, Priors.of(replay.parameters))
     hypotheses = hypotheses_of(replay, [True] * len(replay.columns))
     true = []
     for name in names:

@@ -25,6 +25,9 @@ def challenge(
     gain: Annotated[
         bool, typer.Option("--gain/--no-gain", help="Compare held-out gains with those of the true effect.")
     ] = True,
+    plan: Annotated[
+        bool, typer.Option("--plan/--no-plan", help="Record look-alikes again with what was proposed to separate them.")
+    ] = True,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Keep cases, answers and score here; a broken-off run goes on."),
@@ -51,6 +54,7 @@ def challenge(
             jobs=jobs or os.cpu_count() or 1,
             out=out,
             measure_gain=gain,
+            check_plans=plan,
             progress=progress,
         )
     if out is not None:

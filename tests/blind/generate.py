@@ -8,6 +8,7 @@ from pathlib import Path
 from hidden_effects.case import GENERATORS, Case, write_manifest
 from hidden_effects.families import FAMILIES
 from hidden_effects.isolability import limits_table
+from hidden_effects.manoeuvres import tabulated
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -28,9 +29,17 @@ def main(arguments: list[str] | None = None) -> int:
     separate.add_argument("--family", choices=FAMILIES)
     separate.add_argument("--generator", choices=tuple(GENERATORS), default="first")
     separate.add_argument("--rivals", nargs="+", required=True, help="names of effects")
+    further = commands.add_parser("further", help="write a case again with more data")
+    further.add_argument("--seed", type=int, required=True)
+    further.add_argument("--index", type=int, required=True)
+    further.add_argument("--family", choices=FAMILIES)
+    further.add_argument("--generator", choices=tuple(GENERATORS), default="first")
+    further.add_argument("--out", type=Path, required=True, help="folder of the case")
+    further.add_argument("--script", type=Path, help="JSON of a manoeuvre: name, speed, and lists over time")
+    further.add_argument("--channel", default="", help="channel that is recorded this time")
     commands.add_parser("limits", help="sizes from which the shipped manoeuvres show each effect, by theory")
     given = parser.parse_args(arguments)
-    return {"cases": _cases, "separate": _separate, "limits": _limits}[given.command](given)
+    return {"cases": _cases, "separate": _separate, "further": _further, "limits": _limits}[given.command](given)
 
 
 def _cases(given: argparse.Namespace) -> int:
@@ -47,6 +56,16 @@ def _cases(given: argparse.Namespace) -> int:
 def _separate(given: argparse.Namespace) -> int:
     case = Case(given.seed, given.index, given.family, given.generator)
     print(json.dumps(case.separation(given.rivals)))
+    return 0
+
+
+def _further(given: argparse.Namespace) -> int:
+    scripts = []
+    if given.script is not None:
+        table = json.loads(given.script.read_text(encoding="utf-8"))
+        scripts.append(tabulated(table["name"], table))
+    case = Case(given.seed, given.index, given.family, given.generator)
+    case.write_further(given.out, scripts, given.channel)
     return 0
 
 

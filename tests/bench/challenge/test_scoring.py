@@ -202,7 +202,7 @@ def test_wilson_intervals(right: int, count: int, expected: tuple[float, float])
 
 
 def test_calibration_error_of_hand_made_statements() -> None:
-    """0.9 stated ten times and right nine times is calibrated; 0.65 stated four times and never right is off by 0.65."""
+    """0.9 stated ten times and right nine times is calibrated; 0.65 stated and never right is off by 0.65."""
     good = [(0.9, True)] * 9 + [(0.9, False)]
     bad = [(0.65, False)] * 4
     assert calibration_error(good) == pytest.approx(0.0)

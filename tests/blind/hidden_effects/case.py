@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -145,8 +146,17 @@ class Case:
     def write(self, folder: Path, sealed: Path) -> None:
         """Write ``folder`` (logs, held_out, map, vehicle file, seal) and, apart, ``sealed`` (salt and label)."""
         seal(self.label(), folder / "seal.sha256", sealed)
+        self._write_data(folder, ())
+
+    def write_further(self, folder: Path, scripts: Sequence[Script], channel: str) -> None:
+        """The same case with more data: further manoeuvres, and a channel that nobody had recorded ("" for none)."""
+        missing = tuple(name for name in self.loggers.missing if name != channel)
+        self.loggers = replace(self.loggers, missing=missing)
+        self._write_data(folder, scripts)
+
+    def _write_data(self, folder: Path, further: Sequence[Script]) -> None:
         mine, held_out = self.scripts()
-        logs = self.recorded(mine)
+        logs = self.recorded((*mine, *further))
         write_logs(folder / "logs", self.format, logs)
         write_logs(folder / "held_out", self.format, self.recorded(held_out))
         messages = next(iter(logs.values()))

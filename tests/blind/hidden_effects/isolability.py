@@ -107,12 +107,24 @@ class Point:
         return _stacked(self.car, self.chain, self.scenes, self.names)
 
 
-def effect_column(effect: HiddenEffect, place: int, point: Point) -> FloatArray:
-    """Change of the whitened replay by an effect of one scatter, from a small step in its direction."""
-    car, chain = dict(point.car), dict(point.chain)
+def effect_column(effect: HiddenEffect, place: int, point: Point, like: FloatArray | None = None) -> FloatArray:
+    """Change of the whitened replay by an effect of one scatter, from a small step.
+
+    ``like``, the change (N,) of another effect's step, makes this step as large and in the same direction: at the limit
+    of adhesion a replay is not smooth, and steps of different size would make equal effects look different.
+    """
     step = _STEP if effect.relative else _STEP * effect.signs[-1]
+    change = _stepped(effect, place, point, step)
+    if like is not None and change @ change > 0.0:
+        step *= np.copysign(np.sqrt(like @ like / (change @ change)), like @ change)
+        change = _stepped(effect, place, point, step)
+    return change / step
+
+
+def _stepped(effect: HiddenEffect, place: int, point: Point, step: float) -> FloatArray:
+    car, chain = dict(point.car), dict(point.chain)
     effect.change(car, chain, step * effect.scatter, place)
-    return point.change(car, chain) / step
+    return point.change(car, chain)
 
 
 def nominal_point(missing: Sequence[str] = (), scripts: Sequence[Script] = SIX) -> Point:
@@ -194,10 +206,11 @@ def separation(
     scenes = tuple(scene(whole_car, whole_chain, script) for script in scripts)
     point = Point(half_car, half_chain, scenes, compared_channels(missing))
     nuisance = scatter_columns(point)
-    change = effect_column(effect, place, point) * abs(deviation) / effect.scatter
+    like = _stepped(effect, place, point, float(np.copysign(_STEP, deviation)))
+    change = like * abs(deviation) / (_STEP * effect.scatter)
     result = {}
     for rival in rivals:
-        columns = [effect_column(rival, at, point) for at in range(max(rival.places, 1))]
+        columns = [effect_column(rival, at, point, like) for at in range(max(rival.places, 1))]
         wide = RIVAL_SIZE * rival.largest * np.stack(columns, axis=1)
         result[rival.name] = expected_evidence(change, np.column_stack([nuisance, wide]))
     return result

@@ -1,7 +1,8 @@
 """The driver's six manoeuvres for a diagnosis and two that are held out, as scripts over time."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,19 @@ class Script:
         time: FloatArray = np.arange(round(self.duration_s / STEP_S), dtype=np.float64) * STEP_S
         values = (self.pedal_n(time), self.steering_wheel_rad(time), self.drive_torque_nm(time))
         return Drive(self.speed, *(np.broadcast_to(value, time.shape).astype(float).copy() for value in values))
+
+
+def tabulated(name: str, table: Mapping[str, Any]) -> Script:
+    """A manoeuvre from ``speed`` and lists ``time``, ``pedal``, ``steering_wheel`` and ``drive_torque``."""
+    time = [float(value) for value in table["time"]]
+
+    def course(key: str) -> Callable[[FloatArray], FloatArray]:
+        values = [float(value) for value in table[key]]
+        return lambda at: np.interp(at, time, values)
+
+    return Script(
+        name, float(table["speed"]), time[-1], course("pedal"), course("steering_wheel"), course("drive_torque")
+    )
 
 
 def nothing(time: FloatArray) -> FloatArray:
