@@ -180,9 +180,10 @@ class _Pipeline:
         answer = self._diagnosis(search, selection, details, wrong if is_wrong else None, shown, guilty, needed)
         answer.next_manoeuvre = following
         terms: list[FoundTerm] = []
-        if not details and not is_wrong:
+        if not is_wrong:
             self.clock.begin("unknown")
-            answer, terms = with_unknown(answer, self.replay, selection.nothing.theta, self.held_out, self.seed)
+            theta = selection.fit.theta if details else selection.nothing.theta
+            answer, terms = with_unknown(answer, self.replay, theta, self.held_out, self.seed)
         findings = replace(self._findings(answer, base, selection, search), terms=terms)
         self.clock.begin("")
         answer.timing_s.update(self.clock.seconds)

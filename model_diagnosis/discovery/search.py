@@ -77,8 +77,8 @@ class DiscoveredTerm:
 
 
 class _Search:
-    def __init__(self, balance: Balance, variables: Variables, seed: int) -> None:
-        self.balance = balance
+    def __init__(self, balance: Balance, variables: Variables, seed: int, least_share: float) -> None:
+        self.balance, self.least_share = balance, least_share
         self.variables = {name: smoothed(variable) for name, variable in variables.items()}
         self.random = np.random.default_rng(seed)
         self.root = np.sqrt(stacked(balance.weights))
@@ -204,7 +204,7 @@ class _Search:
             return None
         candidate = self.simplest(contenders)
         drop, before = self.explained(candidate), float(np.sum(self.residual**2))
-        if drop < LEAST_SHARE * before or not self.is_beyond_chance(candidate):
+        if drop < self.least_share * before or not self.is_beyond_chance(candidate):
             return None
         columns = [self._columns(one) for one in contenders]
         place = contenders.index(candidate)
@@ -252,7 +252,9 @@ def _of_periods(
     return scale * coefficients[pair], scale * low[pair], scale * high[pair]
 
 
-def discover(balance: Balance, variables: Variables, *, seed: int = 0, most: int = MOST_TERMS) -> list[DiscoveredTerm]:
+def discover(
+    balance: Balance, variables: Variables, *, seed: int = 0, most: int = MOST_TERMS, least_share: float = LEAST_SHARE
+) -> list[DiscoveredTerm]:
     """Terms that a balance lacks, the most telling first; empty where nothing is proven.
 
     Parameters
@@ -263,8 +265,10 @@ def discover(balance: Balance, variables: Variables, *, seed: int = 0, most: int
         By name.
     most : int
         Largest number of terms.
+    least_share : float
+        Share of the remaining squared error that each takes at least.
     """
-    search = _Search(balance, variables, seed)
+    search = _Search(balance, variables, seed, least_share)
     found: list[DiscoveredTerm] = []
     while len(found) < most:
         term = search.step()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from model_diagnosis.discovery.balances import LATERAL, LONGITUDINAL, WHEEL, YAW, Problem, problems_of
 from model_diagnosis.discovery.build import found_term, term_of_answer
 from model_diagnosis.discovery.disguise import disguised_as, effect_columns, term_columns
-from model_diagnosis.discovery.search import DiscoveredTerm, discover
+from model_diagnosis.discovery.search import LEAST_SHARE, DiscoveredTerm, discover
 from model_diagnosis.discovery.term_gain import signal_of, term_residuals
 from model_diagnosis.extension.extended_vehicle import FoundTerm
 from model_diagnosis.gain import is_proven, measure_gain
@@ -24,6 +24,7 @@ from signals.errors import InputError
 
 FloatArray = NDArray[np.float64]
 
+SHARE_BESIDE_CAUSES = 0.25
 _TELLING = 2
 """Manoeuvres on which a term is compared with the effects of the catalogue."""
 
@@ -83,7 +84,12 @@ def unknown_gain(
 
 
 def discover_unknown(
-    replay: Replay, theta: FloatArray, equations: Sequence[str] | None = None, *, seed: int = 0
+    replay: Replay,
+    theta: FloatArray,
+    equations: Sequence[str] | None = None,
+    *,
+    seed: int = 0,
+    least_share: float = LEAST_SHARE,
 ) -> list[Unknown]:
     """Terms of the first balance that lacks any.
 
@@ -94,7 +100,7 @@ def discover_unknown(
         Balances to look at, the most violated first; by default all that the data allow.
     """
     for problem in problems_of(replay, theta, equations):
-        terms = discover(problem.balance, problem.variables, seed=seed)
+        terms = discover(problem.balance, problem.variables, seed=seed, least_share=least_share)
         if terms:
             names = _disguises(replay, theta, problem, terms)
             return [Unknown(term, problem, same_as) for term, same_as in zip(terms, names, strict=True)]
@@ -125,11 +131,17 @@ def _disguises(
 def with_unknown(
     answer: Diagnosis, replay: Replay, theta: FloatArray, held_out: Replay | None, seed: int = 0
 ) -> tuple[Diagnosis, list[FoundTerm]]:
-    """An answer that names no cause, with the terms that the data show beyond it; the same answer where there are none.
+    """An answer with the terms that the data show beyond its causes; the same answer where there are none.
 
-    Terms without a gain on data that took no part are told in a remark and not kept.
+    Terms without a gain on data that took no part are told in a remark and not kept. Beside named causes a term has to
+    take a quarter of what they leave: less is their form, which never fits quite.
+
+    Parameters
+    ----------
+    theta : (p,) deviations of the answer: of its causes, or of the nominals within their scatter where it has none
     """
-    found = discover_unknown(replay, theta, _equations(answer.guilty_equations), seed=seed)
+    least = SHARE_BESIDE_CAUSES if answer.causes else LEAST_SHARE
+    found = discover_unknown(replay, theta, _equations(answer.guilty_equations), seed=seed, least_share=least)
     if not found:
         return answer, []
     gain = unknown_gain(replay, theta, found, held_out, seed)
@@ -144,14 +156,13 @@ def with_unknown(
             terms.append(one.for_the_car)
         except InputError as error:
             remarks.append(error.message)
-    verdict = "effect_found" if answer.verdict == "nothing_found" else answer.verdict
-    changes = {
-        "verdict": verdict,
-        "discovered_terms": [one.answer for one in found],
-        "gain": gain,
-        "remarks": remarks,
-    }
-    return answer.model_copy(update=changes), terms
+    changes: dict[str, object] = {"discovered_terms": [one.answer for one in found]}
+    if answer.causes:
+        remarks.append(f"beside the causes the discovered terms leave {gain.overall.ratio:.0%} of the balance's error")
+    else:
+        verdict = "effect_found" if answer.verdict == "nothing_found" else answer.verdict
+        changes |= {"verdict": verdict, "gain": gain}
+    return answer.model_copy(update=changes | {"remarks": remarks}), terms
 
 
 def _equations(guilty: Mapping[str, float]) -> list[str]:
