@@ -9,12 +9,24 @@ from typing import Any
 
 from numba import njit
 
-from vehicle_model.driver_record import ACCELERATE, BRAKE, COAST, HOLD_SPEED, MOST_GEARS
+from signals.record_memory import addresses_at, numbers_at, record_at
+from vehicle_model.driver_record import (
+    ACCELERATE,
+    BRAKE,
+    COAST,
+    COMMAND_RECORD,
+    HOLD_SPEED,
+    MOST_GEARS,
+    STATE_RECORD,
+)
 from vehicle_model.interface import TIME_STEP_S
 from vehicle_model.path_follower import steer
 
 # order of block "driver"
 PEDAL_FORCE, MASTER_PRESSURE, ACCELERATOR, CLUTCH, GEAR, STEERING = range(6)
+
+AT_COMMAND, AT_STATE, AT_VALUES = range(3)
+"""Places in the list of addresses: two records, then the signal vector."""
 
 _STANDSTILL_M_S = 0.5
 _RELEASE_RATE = 12.5  # of the accelerator, 1/s: the foot leaves it within 80 ms
@@ -159,18 +171,21 @@ def _brake(c: Any, s: Any, time: float) -> None:
 
 
 @njit(cache=True)
-def driver_step(command: Any, state: Any, values: Any, table: Any, time: float) -> None:
+def driver_step(memory: int, table: Any, time: float) -> None:
     """Advance the driver by 1 ms.
 
     Parameters
     ----------
-    command, state : shape (1,), dtypes ``COMMAND_RECORD`` and ``STATE_RECORD``
-    values : the signal vector; block "driver" and ``manoeuvre_phase`` are written
+    memory
+        Address of the list of addresses ``AT_…``: records of ``COMMAND_RECORD`` and ``STATE_RECORD``, and the signal
+        vector, in which block "driver" and ``manoeuvre_phase`` are written.
     table : shape (2, n)
         Times and angles of a steering table.
     time : s
     """
-    c, s = command[0], state[0]
+    places: Any = addresses_at(memory)
+    c, s = record_at(places[AT_COMMAND], COMMAND_RECORD), record_at(places[AT_STATE], STATE_RECORD)
+    values = numbers_at(places[AT_VALUES])
     speed, engine_speed = values[c.speed], values[c.true_engine_speed]
     if s.started == 0:
         _begin(c, s, speed)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from signals.catalogue import block_slice
 from signals.conditions import Holds
 from signals.errors import InputError, unknown_name
+from signals.record_memory import addresses_of
 from signals.vector import SignalVector
 from vehicle_model import driver_record as record
 from vehicle_model.driver import driver_step, gear_for_speed
@@ -72,6 +73,8 @@ class Manoeuvre:
         self._vehicle = vehicle
         self._command: NDArray[np.void] = np.zeros(1, record.COMMAND_RECORD)
         self._state: NDArray[np.void] = np.zeros(1, record.STATE_RECORD)
+        self._addresses = addresses_of(self._command, self._state, self._values)
+        self._memory = self._addresses.ctypes.data
         self._table = np.zeros((2, 1))
         self._command[0]["initial_gear"] = _AUTO if initial_gear is None else initial_gear
         self._fill_places()
@@ -107,7 +110,7 @@ class Manoeuvre:
             else:
                 self.finished = True
                 self._ends = None
-        driver_step(self._command, self._state, self._values, self._table, time_s)
+        driver_step(self._memory, self._table, time_s)
 
     @property
     def phase(self) -> str:

@@ -8,11 +8,11 @@ different parts of the bench, couple through a torque that changes slowly compar
 from typing import Any
 
 import numpy as np
-from numba import carray, njit
+from numba import njit
 from numpy.typing import NDArray
 
 from signals.errors import InputError
-from signals.record_memory import addresses_of, pointer
+from signals.record_memory import addresses_at, addresses_of, numbers_address, numbers_at, record_at
 from vehicle_model import parameters
 from vehicle_model.interface import TIME_STEP_S
 from vehicle_model.vehicle_file import VehicleFile
@@ -21,6 +21,10 @@ MOST_CURVE_POINTS = 64
 MOST_GEARS = 12
 # places in block "powertrain"
 ENGINE_SPEED, ENGINE_TORQUE, DRIVE_TORQUE = 0, 1, 2
+OUTPUTS = 6
+
+AT_PARAMETERS, AT_STATE, AT_WHEEL_SPEED, AT_OUT = range(4)
+"""Places in the list of addresses: two records, then arrays of float64."""
 
 PARAMETER_RECORD = np.dtype(
     [
@@ -73,17 +77,12 @@ def _engine_torque(p: Any, s: Any, accelerator: float) -> float:
 
 
 @njit(cache=True)
-def powertrain_step(
-    records: Any,
-    wheel_speed: NDArray[np.float64],
-    out: NDArray[np.float64],
-    accelerator: float,
-    clutch: float,
-    gear: float,
-) -> None:
-    """Advance by 1 ms; see `Powertrain.tick`."""
-    p = carray(pointer(records[0]), 1, PARAMETER_RECORD)[0]
-    s = carray(pointer(records[1]), 1, STATE_RECORD)[0]
+def powertrain_step(memory: int, accelerator: float, clutch: float, gear: float) -> None:
+    """Advance by 1 ms; see `Powertrain.tick`. ``memory`` is the address of the list of addresses ``AT_…``."""
+    places: Any = addresses_at(memory)
+    p = record_at(places[AT_PARAMETERS], PARAMETER_RECORD)
+    s = record_at(places[AT_STATE], STATE_RECORD)
+    wheel_speed, out = numbers_at(places[AT_WHEEL_SPEED]), numbers_at(places[AT_OUT])
     number = min(max(int(gear), 0), p.gears)
     ratio = p.ratio[number]
     output_speed = 0.0
@@ -147,7 +146,9 @@ class Powertrain:
             raise InputError("driveline.gear_ratios: too many", allowed=f"at most {MOST_GEARS}")
         self._parameters: NDArray[np.void] = np.zeros(1, PARAMETER_RECORD)
         self._state: NDArray[np.void] = np.zeros(1, STATE_RECORD)
-        self._records = addresses_of(self._parameters, self._state)
+        self._wheel_speed, self._out = np.zeros(4), np.zeros(OUTPUTS)
+        self._addresses = addresses_of(self._parameters, self._state, self._wheel_speed, self._out)
+        self._memory = self._addresses.ctypes.data
         self._fill()
 
     def reset(self) -> None:
@@ -175,7 +176,12 @@ class Powertrain:
         out : shape (6,)
             Block "powertrain" of the signal catalogue.
         """
-        powertrain_step(self._records, wheel_speed, out, accelerator, clutch, gear)
+        if wheel_speed is not self._wheel_speed or out is not self._out:
+            # the same come tick by tick, so their addresses are kept
+            self._addresses[AT_WHEEL_SPEED] = numbers_address(wheel_speed, 4)
+            self._addresses[AT_OUT] = numbers_address(out, OUTPUTS)
+            self._wheel_speed, self._out = wheel_speed, out
+        powertrain_step(self._memory, accelerator, clutch, gear)
 
     def names(self) -> tuple[str, ...]:
         """Dotted paths of all parameters (``driveline.engine.inertia``)."""
