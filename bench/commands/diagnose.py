@@ -9,7 +9,6 @@ from typer.core import TyperGroup
 from bench.commands import diagnose_challenge
 from bench.commands.options import JsonOption, finish, print_json
 
-INSUFFICIENT_DATA = 3
 DEFAULT = "logs"
 
 Logs = Annotated[list[str], typer.Argument(metavar="LOG...", help="Measured logs, or runs of the bench.")]
@@ -101,7 +100,7 @@ def logs(
         print_diagnosis(written, output_console())
     if open_page:
         typer.launch((written.folder / PAGE_FILE).absolute().as_uri())
-    finish(INSUFFICIENT_DATA if written.diagnosis.verdict == "insufficient_data" else 0)
+    finish(written.exit_code)
 
 
 @app.command("explain")

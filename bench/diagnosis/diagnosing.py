@@ -23,6 +23,7 @@ from signals.measured.channel_map import ChannelMap, load_channel_map
 from vehicle_model.vehicle_file import VehicleFile, load_vehicle
 
 Progress = Callable[[str, float], None]
+INSUFFICIENT_DATA = 3
 PAGE_FILE, ANSWER_FILE, VEHICLE_FILE = "diagnosis.html", "diagnosis.json", "extended_vehicle.yaml"
 
 
@@ -52,6 +53,11 @@ class Written:
     def diagnosis(self) -> Diagnosis:
         """The answer."""
         return self.findings.diagnosis
+
+    @property
+    def exit_code(self) -> int:
+        """Of the command: 3 where the data cannot answer, else 0."""
+        return INSUFFICIENT_DATA if self.diagnosis.verdict == "insufficient_data" else 0
 
     def as_json(self) -> dict[str, Any]:
         """Contents of ``diagnosis.json`` and the folder."""

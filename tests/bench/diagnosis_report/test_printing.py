@@ -1,0 +1,77 @@
+"""What the terminal says of a diagnosis, and its exit code by verdict."""
+
+import io
+from dataclasses import replace
+from pathlib import Path
+
+import made_up_findings
+import pytest
+from rich.console import Console
+
+from bench.diagnosis.diagnosing import Found, Written, write
+from bench.diagnosis.extending import deviation_of
+from bench.diagnosis.printing import print_diagnosis
+from model_diagnosis.effects.catalogue import effect
+from model_diagnosis.findings import Findings
+from model_diagnosis.result import OverallGain
+from vehicle_model.vehicle_file import load_vehicle
+
+
+def printed(findings: Findings, folder: Path = Path("result")) -> str:
+    console = Console(file=io.StringIO(), width=160, highlight=False)
+    print_diagnosis(Written(findings, folder), console)
+    return console.file.getvalue()  # type: ignore[attr-defined]
+
+
+def test_the_terminal_says_cause_value_and_next_step(findings: Findings) -> None:
+    text = printed(findings)
+    for words in (
+        "EFFECT FOUND",
+        "brake pad friction −20.5 %",
+        "83 %",
+        "0.314 … 0.322",
+        "pressure sensor scale",
+        "lateral_acceleration: channel sign −1, repaired",
+        "error left on held-out manoeuvres: 12 % [9, 16]",
+        "hold at standstill",
+        "result/extended_vehicle.yaml",
+    ):
+        assert words in text
+
+
+def test_a_discovered_term_is_printed(findings: Findings) -> None:
+    answer = findings.diagnosis.model_copy(update={"discovered_terms": [made_up_findings.discovered()]})
+    assert "a · T_b · v²" in printed(replace(findings, diagnosis=answer))
+
+
+@pytest.mark.parametrize(
+    ("verdict", "code"), [("effect_found", 0), ("nothing_found", 0), ("wrong_vehicle", 0), ("insufficient_data", 3)]
+)
+def test_exit_codes(verdict: str, code: int, findings: Findings) -> None:
+    answer = findings.diagnosis.model_copy(update={"verdict": verdict})
+    assert Written(replace(findings, diagnosis=answer), Path()).exit_code == code
+
+
+def test_the_extended_car_has_what_was_found_and_loads(findings: Findings, tmp_path: Path) -> None:
+    written = write(Found(findings, load_vehicle("ekf_car"), "ekf_car"), tmp_path, stops=False)
+    assert written.diagnosis.extension_file == "extended_vehicle.yaml"
+    extended = load_vehicle(tmp_path / "extended_vehicle.yaml")
+    assert extended.brakes.front.pad_friction == pytest.approx(0.318)
+    assert extended.extensions[0].intervals["brakes.rear.pad_friction"] == pytest.approx([0.314, 0.322])
+
+
+def test_without_a_proven_gain_there_is_no_extended_car(findings: Findings, tmp_path: Path) -> None:
+    gain = findings.diagnosis.gain
+    assert gain is not None
+    unproven = gain.model_copy(update={"overall": OverallGain(ratio=0.9, low=0.7, high=1.1)})
+    answer = findings.diagnosis.model_copy(update={"gain": unproven, "extension_file": None})
+    (tmp_path / "extended_vehicle.yaml").write_text("of an earlier diagnosis")
+    written = write(Found(replace(findings, diagnosis=answer), load_vehicle("ekf_car"), "ekf_car"), tmp_path)
+    assert not (tmp_path / "extended_vehicle.yaml").exists()
+    assert "no extended vehicle file: no gain on data that took no part" in written.diagnosis.remarks
+
+
+def test_deviations_are_those_behind_the_physical_values() -> None:
+    (factor,) = effect("brake_pad_friction").parameters
+    estimate = made_up_findings.cause().parameters["factor"]
+    assert deviation_of(estimate, factor, estimate.value) == pytest.approx(0.318 / 0.4 - 1.0)
