@@ -61,6 +61,12 @@ def _span(drive: Drive) -> tuple[float, float]:
     return (min(begins), max(ends)) if begins else (0.0, 0.0)
 
 
+def duration_s(drive: Drive) -> float:
+    """Time from the first to the last sample of any channel [s]."""
+    begin, end = _span(drive)
+    return end - begin
+
+
 def _shared(one: Drive, other: Drive) -> float:
     """Time that two drives share over the shorter one's."""
     (a, b), (c, d) = _span(one), _span(other)

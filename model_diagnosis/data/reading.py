@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from model_diagnosis.data.drives import Drive, join_loggers, split_at_pauses
+from model_diagnosis.data.drives import Drive, duration_s, join_loggers, split_at_pauses
 from model_diagnosis.data.grid import on_grid
 from model_diagnosis.data.sample_timing import check_timing
 from model_diagnosis.data.sample_values import VALUE_CHECKS, is_motion
@@ -45,7 +45,8 @@ def read_manoeuvres(paths: Sequence[str | Path], channel_map: ChannelMap, vehicl
         checked, faults = check_samples(drive.channels)
         whole = Drive(drive.loggers, checked, (*drive.faults, *faults, *missing))
         for part in split_at_pauses(whole):
-            manoeuvres += _manoeuvres(part, vehicle)
+            if duration_s(part) >= SHORTEST_S:
+                manoeuvres += _manoeuvres(part, vehicle)
     if not manoeuvres:
         raise InputError(
             f"{', '.join(str(p) for p in paths)}: too short for a diagnosis",

@@ -6,6 +6,7 @@ A check names a fault only where chance cannot explain it; what it finds is repa
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from model_diagnosis.data.sample_timing import NAMED_LOSS, SampleCheck
 from model_diagnosis.data.samples import BoolArray, FloatArray, Samples
@@ -19,6 +20,9 @@ _MOTION = ("wheel_speed_", "speed", "lateral_speed", "longitudinal_acceleration"
 _RATES = ("roll_rate", "pitch_rate", "vertical_acceleration", "side_slip_angle")
 _STUCK_S = 0.2
 _CONTEXT_S = 1.0
+_NEVER_WRAPS = ("brake_pressure_", "master_pressure", "drive_torque_", "engine_torque", "pedal_force")
+_APPROACH = 10
+_END_OF_SPAN = 0.05
 _MOVING_HALF = 5
 _NOISE_OF_SPAN = 2e-4
 """Noise over a channel's span below which it is the rounding of a noise-free signal, which may well stand still."""
@@ -27,6 +31,9 @@ _NOISE_OF_SPAN = 2e-4
 def is_motion(name: str) -> bool:
     """True for what a moving car's sensors read, which never stays exactly equal for long."""
     return name.startswith(_MOTION) or name in _RATES
+
+
+IndexArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -61,7 +68,7 @@ def noise_of(values: FloatArray) -> float:
 
 def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
     """Unwrap a counter: jumps that all have one size, far above any other step, with the trend going on across them."""
-    if is_stepped(channel.name):
+    if is_stepped(channel.name) or channel.name.startswith(_NEVER_WRAPS):
         return channel, []
     rows = np.flatnonzero(channel.valid)
     values = channel.values[rows]
@@ -74,25 +81,39 @@ def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
     usual = float(np.percentile(np.abs(np.delete(steps, jumps)), 99.0)) if len(jumps) < len(steps) else 0.0
     if span == 0.0 or not len(jumps) or len(jumps) > len(steps) // 10 or span < 20.0 * usual:
         return channel, []
+    low, high = float(values.min()), float(values.max())
+    upper, lower = np.maximum(values[jumps], values[jumps + 1]), np.minimum(values[jumps], values[jumps + 1])
+    at_the_ends = (high - upper < _END_OF_SPAN * span) & (lower - low < _END_OF_SPAN * span)
+    if np.mean(at_the_ends) < 0.5:
+        return channel, []
+    jumps = jumps[at_the_ends]
     trend = np.array([_trend(steps, int(k), set(jumps.tolist())) for k in jumps])
     sizes = np.abs(steps[jumps] - trend)
     wrap = float(np.median(sizes))
-    tolerance = max(4.0 * usual, 0.02 * wrap)
-    low, high = float(values.min()), float(values.max())
-    ends = np.maximum(values[jumps], values[jumps + 1]), np.minimum(values[jumps], values[jumps + 1])
-    at_the_ends = np.all(high - ends[0] < 3.0 * tolerance) and np.all(ends[1] - low < 3.0 * tolerance)
-    if np.max(np.abs(sizes - wrap)) > tolerance or not at_the_ends:
+    if np.max(np.abs(sizes - wrap)) > max(4.0 * usual, 0.02 * wrap):
         return channel, []
     turns = np.zeros(len(values))
     turns[1:][jumps] = -np.sign(steps[jumps])
+    unwrapped = values + wrap * np.cumsum(turns)
+    if not _goes_on(unwrapped, jumps, -np.sign(steps[jumps])):
+        return channel, []  # switched on and off
     repaired = channel.values.copy()
-    repaired[rows] = values + wrap * np.cumsum(turns)
+    repaired[rows] = unwrapped
     message = f"{channel.name} wraps {len(jumps)} times by {wrap:.6g} {channel.unit}; unwrapped"
     return channel.with_values(repaired), [
         DataFault(
             kind="counter_wrap", channel=channel.name, value=wrap, unit=channel.unit, repaired=True, message=message
         )
     ]
+
+
+def _goes_on(unwrapped: FloatArray, jumps: IndexArray, ways: FloatArray) -> bool:
+    """True where the unwrapped series moves the jump's opposite way before and after most jumps."""
+    before = unwrapped[jumps] - unwrapped[np.maximum(jumps - _APPROACH, 0)]
+    after = unwrapped[np.minimum(jumps + 1 + _APPROACH, len(unwrapped) - 1)] - unwrapped[jumps + 1]
+    moved = np.sign(before + after) * np.sign(np.sum(ways))
+    steady = np.minimum(np.abs(before), np.abs(after)) > 0.0
+    return bool(np.sum(ways) != 0.0 or len(jumps) > 1) and bool(np.mean(np.abs(moved) * steady) > 0.5)
 
 
 def _trend(steps: FloatArray, jump: int, jumps: set[int]) -> float:

@@ -157,7 +157,9 @@ SIDE_SLIP = TwinKind(
 def members(group: str, channels: Sequence[str]) -> list[str]:
     """Channels of a group among those of a manoeuvre."""
     if group in ("wheel_speed", "brake_pressure", "drive_torque"):
-        return [name for name in channels if name.startswith(f"{group}_")]
+        found = [name for name in channels if name.startswith(f"{group}_")]
+        master = [name for name in ("master_pressure",) if name in channels]
+        return found or (master if group == "brake_pressure" else [])
     if group == "steering":
         return [name for name in ("steering_wheel_angle", "road_wheel_angle", "steering_command") if name in channels][
             :1
