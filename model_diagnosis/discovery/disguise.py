@@ -14,6 +14,7 @@ from model_diagnosis.discovery.candidates import columns_of
 from model_diagnosis.discovery.quantities import Balance, Variable, smoothed, stacked
 from model_diagnosis.discovery.regression import orthonormal, without
 from model_diagnosis.discovery.search import DiscoveredTerm
+from model_diagnosis.effects.catalogue import EFFECTS
 from model_diagnosis.effects.effect import Application
 from model_diagnosis.replay.replay import Replay
 
@@ -21,21 +22,23 @@ FloatArray = NDArray[np.float64]
 
 SAME_EFFECT = 0.95
 _STEP = 0.2
+_NAMES = frozenset(effect.name for effect in EFFECTS)
+"""Not those that only describe the replay's own form."""
 
 
 def effect_columns(replay: Replay, theta: FloatArray, balance: Balance) -> dict[str, FloatArray]:
     """Change of a balance's error by each parameter of each effect of the car: effect -> (N, parameters)."""
     start = stacked(balance.error)
     result: dict[str, list[FloatArray]] = {}
-    for place, (column, parameter) in enumerate(zip(replay.columns, replay.parameters, strict=True)):
+    for place, parameter in enumerate(replay.parameters):
         effect = replay.effects[replay.owner[place]]
-        if effect.application is not Application.PLANT or effect.discrete:
+        if effect.application is not Application.PLANT or effect.discrete or effect.name not in _NAMES:
             continue
         step = _STEP * parameter.effect_std
         moved = theta.copy()
         moved[place] += step if theta[place] + step <= parameter.high else -step
         problems = problems_of(replay, moved, [balance.name])
-        if problems and column:
+        if problems:
             change = (stacked(problems[0].balance.error) - start) / (moved[place] - theta[place])
             result.setdefault(effect.name, []).append(change)
     return {name: np.stack(columns, axis=1) for name, columns in result.items()}

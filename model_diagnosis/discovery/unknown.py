@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import savgol_coeffs
 
 from model_diagnosis.discovery.balances import LATERAL, LONGITUDINAL, WHEEL, YAW, Problem, problems_of
 from model_diagnosis.discovery.build import found_term, term_of_answer
@@ -25,6 +26,8 @@ from signals.errors import InputError
 FloatArray = NDArray[np.float64]
 
 SHARE_BESIDE_CAUSES = 0.25
+_NOISE_LEFT = float(np.linalg.norm(savgol_coeffs(7, 2)))
+"""Share of white noise that the quadratic fit over 70 ms of a balance's error leaves (Savitzky & Golay 1964): 0.577."""
 _TELLING = 2
 """Manoeuvres on which a term is compared with the effects of the catalogue."""
 
@@ -79,7 +82,8 @@ def unknown_gain(
             residuals += term_residuals(known.part(rest), known.part([m]), candidates, scale)
     if not residuals:
         return None
-    noise = {signal_of(name): replay.sensor_std(signal_of(name)) if name in (LONGITUDINAL, LATERAL) else 0.0}
+    own = replay.sensor_std(signal_of(name)) if name in (LONGITUDINAL, LATERAL) else 0.0
+    noise = {signal_of(name): own * _NOISE_LEFT}
     return measure_gain(residuals, noise, seed=seed, cross_validated=held_out is None)
 
 
