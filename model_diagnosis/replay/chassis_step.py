@@ -32,9 +32,11 @@ def move_body(p: Record, s: Record, step: float) -> None:
         mean, half = x * s.pitch - s.heave, -y * s.roll
         mean_share, half_share = p.mean_share[i], p.half_share[i]
         travel = mean_share * mean + half_share * half
-        rate = mean_share * (x * s.pitch_rate - s.heave_rate) - half_share * y * s.roll_rate
+        mean_rate, half_rate = mean_share * (x * s.pitch_rate - s.heave_rate), -half_share * y * s.roll_rate
+        rate = mean_rate + half_rate
         damping = p.compression_damping[i] if rate > 0.0 else p.rebound_damping[i]
-        change = p.mean_rate[i] * mean + p.half_rate[i] * half + mean_share * damping * rate
+        change = p.mean_rate[i] * mean + p.half_rate[i] * half
+        change += damping * (mean_share * mean_rate + half_share * half_rate)
         deep = travel - p.bump_clearance[i]
         if deep > 0.0:
             change += (p.bump_rate[i] + p.bump_progression[i] * deep) * deep
@@ -43,7 +45,7 @@ def move_body(p: Record, s: Record, step: float) -> None:
         # the wheel travels along the body's z axis, which leans with the body
         change += (p.guide_side[i] + s.roll) * s.tyre_y[i] - s.pitch * force_x
         change = max(change, -p.static_load[i])
-        s.load[i], s.travel[i] = p.static_load[i] + change, travel
+        s.load[i], s.travel[i], s.travel_rate[i] = p.static_load[i] + change, travel, rate
         up += change
         nose_down -= x * change
         left_up += y * change

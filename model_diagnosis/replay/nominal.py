@@ -78,8 +78,10 @@ def _write_body(entry: np.void, vehicle: VehicleFile) -> None:
     }
     bodies = rigid_bodies(numbers, numbers)
     entry["mass"], entry["yaw_inertia"] = body.mass, numbers["body.yaw_inertia"]
-    # heave, pitch and roll turn the sprung body about its own centre
-    entry["roll_inertia"], entry["pitch_inertia"] = bodies.sprung_inertia[0, 0], bodies.sprung_inertia[1, 1]
+    # the wheels keep to the road, but go sideways and forwards with the body that turns above them
+    swung = float(bodies.unsprung_mass @ bodies.wheel_positions[:, 2] ** 2)
+    entry["roll_inertia"] = bodies.sprung_inertia[0, 0] + bodies.transverse_inertia.sum() + swung
+    entry["pitch_inertia"] = bodies.sprung_inertia[1, 1] + swung
     entry["height"], entry["wheelbase"] = body.centre_of_gravity_height, body.wheelbase
     entry["front_arm"] = body.centre_of_gravity_to_front_axle
     entry["track_front"], entry["track_rear"] = vehicle.axles.front.track, vehicle.axles.rear.track

@@ -122,7 +122,9 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> Prepared:
         inputs=inputs,
         hydraulics=hydraulics,
         pressure_known=known,
-        pressure_valid=np.stack([manoeuvre.weight(name) > 0.0 for name in PRESSURES], axis=1).astype(np.float64),
+        pressure_valid=np.stack([known * (manoeuvre.weight(name) > 0.0) for name in PRESSURES], axis=1).astype(
+            np.float64
+        ),
         carriers=ring_carriers(manoeuvre.time, corrected[:, :4]) if ringed else None,
     )
 

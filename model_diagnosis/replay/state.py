@@ -44,6 +44,7 @@ _WHEELS = (
     "aligning",
     "load",
     "travel",
+    "travel_rate",
     "angle",  # of the road wheel
     "sine",
     "cosine",

@@ -32,7 +32,8 @@ def steer_wheels(p: Record, s: Record, step: float) -> None:
             tangent = math.tan(angle)
             full = math.atan2(tangent, 1.0 + side * tangent * p.track_front / (2.0 * p.wheelbase))
             wanted += p.ackermann * (full - angle)
-        wanted += s.aligning[i] / p.steering_stiffness
+        # the linkage holds the tyre's moment and turns the spinning wheel with the body's roll
+        wanted += (s.aligning[i] - s.roll_rate * p.spin_inertia[i] * s.spin[i]) / p.steering_stiffness
         actual = (p.steering_lag * s.angle[i] + step * wanted) / (p.steering_lag + step)
         s.angle[i], s.sine[i], s.cosine[i] = actual, math.sin(actual), math.cos(actual)
 
@@ -65,8 +66,11 @@ def move_wheel(
     """One step of a wheel: its tyre forces and its spin."""
     load = max(s.load[i], _LIGHTEST_N)
     turn, omega = s.yaw_rate, s.spin[i]
-    at_x = s.speed - turn * p.wheel_y[i] - p.pitch_scrub * p.height * s.pitch_rate
+    # body's turning carries the contact along, and so does the wheel's travel on its leaning guide
+    rate = s.travel_rate[i]
+    at_x = s.speed - turn * p.wheel_y[i] - p.pitch_scrub * p.height * s.pitch_rate + (s.pitch - p.guide_brake[i]) * rate
     at_y = s.lateral_speed + turn * p.wheel_x[i] + p.roll_scrub * p.height * s.roll_rate
+    at_y -= (s.roll + p.guide_side[i]) * rate
     sine, cosine = s.sine[i], s.cosine[i]
     v_x, v_y = cosine * at_x + sine * at_y, cosine * at_y - sine * at_x
     radius = p.radius[i] - p.radius_load * (load - p.static_load[i]) + p.radius_speed * v_x * v_x
@@ -78,7 +82,9 @@ def move_wheel(
     now_x, now_y = slide_x * inverse, -v_y * inverse
     slip_slope = radius * inverse * (v_x * inverse if roll >= divisor and v_x > 0.0 else 1.0)
     way = step * divisor
-    weight_x, weight_y = way / (p.relaxation_x[i] + way), way / (p.relaxation_y[i] + way)
+    # the mean of before and after the step follows the slip, where the step is short enough for that
+    weight_x = min(way / (p.relaxation_x[i] + 0.5 * way), 1.0)
+    weight_y = min(way / (p.relaxation_y[i] + 0.5 * way), 1.0)
     slip_x = s.lagged_x[i] + weight_x * (now_x - s.lagged_x[i])
     slip_y = s.lagged_y[i] + weight_y * (now_y - s.lagged_y[i])
     slip_slope *= weight_x

@@ -100,39 +100,40 @@ def drive(
     return Manoeuvre(name, time, channels, weights, "the MuJoCo car")
 
 
+def _ramp(time: float, start: float, length: float) -> float:
+    """0 before ``start``, 1 from ``length`` later on: inputs are known every 10 ms, so that none of them may jump."""
+    return min(max((time - start) / length, 0.0), 1.0)
+
+
 def gentle_stop(time: float) -> tuple[Sequence[float], float, float]:
     """30 bar from 0.5 s, straight."""
-    pressure = 3e6 * min(max((time - 0.5) / 0.2, 0.0), 1.0)
-    return [pressure] * 4, 0.0, 0.0
+    return [3e6 * _ramp(time, 0.5, 0.2)] * 4, 0.0, 0.0
 
 
 def pulsed_stop(time: float) -> tuple[Sequence[float], float, float]:
-    """Pressure trains of an ABS at 5 Hz near the limit."""
-    if time < 0.5:
-        return [0.0] * 4, 0.0, 0.0
+    """Pressure trains of an ABS at 5 Hz about the limit."""
     phase = (time * 5.0) % 1.0
     front = 6e6 + 5e6 * ((1.0 - phase) / 0.65 if phase > 0.35 else phase / 0.35)
+    front *= _ramp(time, 0.4, 0.1)
     return [front, front, 0.5 * front, 0.5 * front], 0.0, 0.0
 
 
 def sine_steer(time: float) -> tuple[Sequence[float], float, float]:
     """0.7 Hz, 60 degrees at the steering wheel, light drive torque."""
-    angle = 1.05 * np.sin(2.0 * np.pi * 0.7 * (time - 0.5)) if time > 0.5 else 0.0
+    angle = 1.05 * np.sin(2.0 * np.pi * 0.7 * (time - 0.5)) * _ramp(time, 0.5, 0.3)
     return [0.0] * 4, 150.0, float(angle)
 
 
 def brake_in_turn(time: float) -> tuple[Sequence[float], float, float]:
     """Circle, then 25 bar."""
-    angle = 0.9 * min(max((time - 0.3) / 0.5, 0.0), 1.0)
-    pressure = 2.5e6 * min(max((time - 2.5) / 0.2, 0.0), 1.0)
-    return [pressure] * 4, 0.0 if time > 2.4 else 200.0, angle
+    torque = 200.0 * (1.0 - _ramp(time, 2.3, 0.1))
+    return [2.5e6 * _ramp(time, 2.5, 0.2)] * 4, torque, 0.9 * _ramp(time, 0.3, 0.5)
 
 
 def coast_and_drive(time: float) -> tuple[Sequence[float], float, float]:
-    """Coast, then a step of drive torque, then light braking."""
-    torque = 1500.0 if 2.0 < time < 5.0 else 0.0
-    pressure = 8e5 if time > 6.0 else 0.0
-    return [pressure] * 4, torque, 0.0
+    """Coast, drive, light braking."""
+    torque = 1500.0 * (_ramp(time, 2.0, 0.3) - _ramp(time, 5.0, 0.3))
+    return [8e5 * _ramp(time, 6.0, 0.2)] * 4, torque, 0.0
 
 
 def hydraulic_log(vehicle: VehicleFile, seconds: float = 4.0) -> Manoeuvre:

@@ -1,0 +1,110 @@
+"""Pressures of the hydraulic unit from pedal, valves and pump, and the effects before the wheel brakes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from plant_log import hydraulic_log
+
+from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.replay import Replay
+from signals.wheels import WHEELS
+from vehicle_model.vehicle_file import VehicleFile, set_parameter
+
+
+@pytest.fixture(scope="module")
+def log(car: VehicleFile) -> Manoeuvre:
+    return hydraulic_log(car)
+
+
+def _error_bar(replay: Replay, theta: np.ndarray, signal: str = "brake_pressure_fl") -> float:
+    k = replay.signals(0).index(signal)
+    residual = replay.residuals(theta)[0][:, k]
+    return float(np.sqrt(np.mean(residual**2))) / 1e5
+
+
+def test_pressures_follow_the_unit(car: VehicleFile, log: Manoeuvre) -> None:
+    """The same model with the same inputs: what is left is that a valve moves somewhere between two samples."""
+    model = Replay(car, [log])
+    theta = np.zeros(len(model.columns))
+    steepest_bar_s = 55.0 / car.hydraulics.decrease_time_constant
+    assert _error_bar(model, theta) < 0.25 * steepest_bar_s * 0.005
+    assert _error_bar(model, theta, "master_pressure") < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("column", "size", "path"),
+    [
+        ("inlet_valve_conductance.fl", -0.3, "hydraulics.inlet_conductance_fl"),
+        ("outlet_valve_conductance.fl", -0.3, "hydraulics.outlet_conductance_fl"),
+        ("caliper_air.fl", 1.5e-6, "hydraulics.air_volume_fl"),
+        ("hydraulic_leak.fl", 2e-13, "hydraulics.brake_leak_fl"),
+        ("circuit_failure.first", 0.3, "hydraulics.first_circuit_failure"),
+    ],
+)
+def test_an_effect_of_the_unit_is_taken_out_by_its_column(
+    car: VehicleFile, log: Manoeuvre, column: str, size: float, path: str
+) -> None:
+    changed = car.model_copy(deep=True)
+    relative = column.split(".")[0].endswith("conductance")
+    set_parameter(changed, path, 1.0 + size if relative else size)
+    model = Replay(car, [hydraulic_log(changed)])
+    theta = np.zeros(len(model.columns))
+    before = _error_bar(model, theta)
+    theta[model.columns.index(column)] = size
+    nominal = Replay(car, [log])
+    assert before > 1.5 * _error_bar(nominal, np.zeros(len(theta)))
+    assert _error_bar(model, theta) < 1.2 * _error_bar(nominal, np.zeros(len(theta)))
+
+
+def test_dead_times_of_the_valves_are_continuous(car: VehicleFile, log: Manoeuvre) -> None:
+    model = Replay(car, [log])
+    index = model.columns.index("inlet_valve_delay.delay")
+    predictions = []
+    for delay in (2e-3, 2.5e-3, 3e-3):
+        theta = np.zeros(len(model.columns))
+        theta[index] = delay
+        predictions.append(model.predict(theta, 0))
+    middle = 0.5 * (predictions[0] + predictions[2])
+    assert np.abs(predictions[2] - predictions[0]).max() > 1e4
+    assert np.allclose(predictions[1], middle, rtol=0.0, atol=1e-6 * np.abs(middle).max())
+
+
+def test_knock_back_delays_the_first_pressure_after_cornering(car: VehicleFile, log: Manoeuvre) -> None:
+    lateral = np.where(log.time < 0.25, 6.0, 0.0)
+    channels = dict(log.channels) | {"lateral_acceleration": lateral}
+    weights = dict(log.weights) | {"lateral_acceleration": np.ones(log.samples)}
+    model = Replay(car, [replace(log, channels=channels, weights=weights)])
+    theta = np.zeros(len(model.columns))
+    k = model.signals(0).index("brake_pressure_fl")
+    usual = model.free_run(theta, 0)[:, k]
+    theta[model.columns.index("brake_knock_back.volume")] = 5e-7
+    late = model.free_run(theta, 0)[:, k]
+    assert np.all(late <= usual + 1.0)
+    # 0.5 cm^3 at the caliper's stiffness is the pressure that is lacking while the supply still rises
+    assert np.max(usual - late) > 0.1 * 5e-7 * car.hydraulics.caliper_stiffness_front
+    assert abs(late[-1] - usual[-1]) < 0.05 * usual[-1]
+
+
+def test_without_wheel_pressures_the_unit_drives_the_brakes(car: VehicleFile, log: Manoeuvre) -> None:
+    channels = {name: values for name, values in log.channels.items() if not name.startswith("brake_pressure_")}
+    model = Replay(car, [replace(log, channels=channels)])
+    theta = np.zeros(len(model.columns))
+    k = model.signals(0).index("wheel_speed_fl")
+    residual = model.residuals(theta)[0][:, k]
+    assert np.sqrt(np.mean(residual**2)) < 0.15
+    index = model.columns.index("inlet_valve_conductance.fl")
+    assert np.abs(model.sensitivities(theta, [index])[0][:, k, 0]).max() > 1.0
+
+
+def test_pressure_sensor_scale_differs_from_pad_friction_beside_a_master_sensor(
+    car: VehicleFile, log: Manoeuvre
+) -> None:
+    """Wheel pressures alone cannot tell the two; the unit's pressures see the sensor, not the pad."""
+    model = Replay(car, [log])
+    theta = np.zeros(len(model.columns))
+    columns = [model.columns.index(name) for name in ("pressure_sensor_scale.wheels", "brake_pad_friction.factor")]
+    shown = model.sensitivities(theta, columns)[0]
+    pressures = [model.signals(0).index(f"brake_pressure_{wheel}") for wheel in WHEELS]
+    assert np.abs(shown[:, pressures, 0]).max() > 1e6
+    assert np.abs(shown[:, pressures, 1]).max() == 0.0

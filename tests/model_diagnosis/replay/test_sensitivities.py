@@ -1,0 +1,68 @@
+"""Sensitivities against differences of the prediction, and what a drive does and does not excite."""
+
+import numpy as np
+import pytest
+
+from model_diagnosis.replay import Replay
+
+GENTLE, PULSED, SINE, TURN, COAST = range(5)
+
+
+@pytest.mark.parametrize(
+    ("m", "column"),
+    [
+        (GENTLE, "mass_change.factor"),
+        (GENTLE, "brake_pad_friction.factor"),
+        (SINE, "tyre_cornering_stiffness.front"),
+        (SINE, "gyro_offset.yaw_rate"),
+        (SINE, "accelerometer_misalignment.angle"),
+        (TURN, "accelerometer_scale.lateral"),
+        (COAST, "road_grade.grade"),
+    ],
+)
+def test_sensitivities_are_derivatives_of_the_prediction(replay: Replay, m: int, column: str) -> None:
+    index = replay.columns.index(column)
+    theta = np.zeros(len(replay.columns))
+    found = replay.sensitivities(theta, [index])[m][:, :, 0]
+    step = 0.02 * replay.parameters[index].effect_std
+    moved = [theta.copy(), theta.copy()]
+    moved[0][index], moved[1][index] = step, -step
+    central = (replay.predict(moved[0], m) - replay.predict(moved[1], m)) / (2.0 * step)
+    # one-sided steps of a twentieth of the effect width: curvature of a few percent, where an effect shows above noise
+    scale = np.abs(central).max(axis=0)
+    noise = np.array([replay.sensor_std(signal) for signal in replay.signals(m)])
+    shown = scale * replay.parameters[index].effect_std > 0.3 * noise
+    assert shown.any()
+    assert np.all(np.abs(found - central).max(axis=0)[shown] < 0.08 * scale[shown])
+
+
+def test_columns_at_a_bound_are_differentiated_inwards(replay: Replay) -> None:
+    """A lag cannot be negative: at its bound the derivative is that of a growing one, and it is not zero."""
+    index = replay.columns.index("caliper_lag.time_constant")
+    theta = np.zeros(len(replay.columns))
+    assert replay.parameters[index].low == 0.0
+    found = replay.sensitivities(theta, [index])[PULSED][:, :, 0]
+    k = replay.signals(PULSED).index("wheel_speed_fl")
+    assert np.abs(found[:, k]).max() > 10.0  # 10 ms of lag then move the wheel by 0.1 rad/s at least
+
+
+def test_a_sweep_is_the_same_in_parts_and_on_one_thread(replay: Replay) -> None:
+    theta = np.zeros(len(replay.columns))
+    chosen = [
+        replay.columns.index(name) for name in ("mass_change.factor", "road_bank.bank", "caliper_lag.time_constant")
+    ]
+    single = Replay(replay.vehicle, replay.manoeuvres, threads=1)
+    together = replay.sensitivities(theta, chosen)
+    for place, column in enumerate(chosen):
+        alone = single.sensitivities(theta, [column])
+        for m in range(len(together)):
+            assert np.array_equal(alone[m][:, :, 0], together[m][:, :, place])
+
+
+def test_excitation_tells_what_the_drives_show(replay: Replay) -> None:
+    excited = dict(zip(replay.columns, replay.excitation, strict=True))
+    # no disc came near its fade temperature, no valve command and no step of friction is in these logs
+    for column in ("brake_pad_fade.temperature", "inlet_valve_delay.delay", "mu_step.place", "pump_rate.factor"):
+        assert excited[column] < 1e-9
+    for column in ("mass_change.factor", "brake_pad_friction.factor", "tyre_cornering_stiffness.rear"):
+        assert excited[column] > 100.0
