@@ -61,9 +61,13 @@ def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = No
     tell("sensitivities at the saturated fit", 0.7)
     problem = Problem(replay, priors, whitener)
     at_saturated = problem.linearise(saturated.theta)
-    problem = replace(problem, whitener=replace(whitener, temperature=_temperature(problem, at_saturated)))
+    at_nothing = problem.linearise(nothing.theta, raw)
+    # a form error that garbage collectors took out of the saturated residual is still there without them; one true
+    # effect raises the scores of few columns, and the temperature is their median
+    heat = max(_temperature(problem, at_saturated), _temperature(problem, at_nothing))
+    problem = replace(problem, whitener=replace(whitener, temperature=heat))
     at_saturated = _cooled(at_saturated, problem)
-    nothing = problem.fit(problem.linearise(nothing.theta, raw), priors.nuisance, nothing.theta)
+    nothing = problem.fit(_cooled(at_nothing, problem), priors.nuisance, nothing.theta)
     saturated = problem.fit(at_saturated, priors.saturated(), saturated.theta)
     tell("base", 1.0)
     return Base(problem, nothing, saturated, problem.linearise(nothing.theta, raw), at_saturated)
