@@ -29,6 +29,7 @@ SLOWEST_M_S = 4.0
 """Speed below which nothing is compared: slip and the observer's gain lose their meaning."""
 
 _BRAKED_PA = 1.5e5
+_LARGEST_INFERRED_M_S2 = 2.0
 _SMOOTHING_SAMPLES = 11
 _RELEASE_SAMPLES = 10
 _START_SAMPLES = 20
@@ -42,11 +43,13 @@ class Inputs:
     ----------
     values : (n, INPUTS)
     inferred : (n,) True where the longitudinal force was taken from the measured acceleration
+    forced : (n,) True where that force is so large that the wheels' slip cannot be trusted either
     steered : True where a steering channel is there
     """
 
     values: FloatArray
     inferred: NDArray[np.bool_]
+    forced: NDArray[np.bool_]
     steered: bool
 
 
@@ -78,10 +81,9 @@ def read_inputs(manoeuvre: Manoeuvre, channels: Mapping[str, FloatArray], vehicl
     """Inputs of a manoeuvre from its channels, which may have been changed by effects of the sensors."""
     values = np.zeros((manoeuvre.samples, INPUTS))
     braked = _write_pressures(values, channels)
-    driven = _write_drive(values, channels)
+    driven = _write_drive(values, channels, vehicle)
     steer = _steer(channels, vehicle)
-    if steer is not None:
-        values[:, INPUT_STEER] = steer
+    values[:, INPUT_STEER] = _kinematic_steer(manoeuvre, vehicle) if steer is None else steer
     for column, name in ((INPUT_GRADE, "road_grade"), (INPUT_BANK, "road_bank")):
         if name in channels:
             values[:, column] = channels[name]
@@ -92,7 +94,8 @@ def read_inputs(manoeuvre: Manoeuvre, channels: Mapping[str, FloatArray], vehicl
         inferred = _not_braked(values[:, :4])
     if inferred.any():
         _infer(values, inferred, braked, manoeuvre, vehicle)
-    return Inputs(values, inferred, steer is not None)
+    forced = inferred & (np.abs(acceleration_of(manoeuvre, vehicle)) > _LARGEST_INFERRED_M_S2)
+    return Inputs(values, inferred, forced, steer is not None)
 
 
 def _write_pressures(values: FloatArray, channels: Mapping[str, FloatArray]) -> bool:
@@ -105,12 +108,22 @@ def _write_pressures(values: FloatArray, channels: Mapping[str, FloatArray]) -> 
     return found
 
 
-def _write_drive(values: FloatArray, channels: Mapping[str, FloatArray]) -> bool:
+def _write_drive(values: FloatArray, channels: Mapping[str, FloatArray], vehicle: VehicleFile) -> bool:
+    """Drive torque of the axles: measured there, or the engine's through the engaged gear."""
     found = False
     for column, name in ((INPUT_DRIVE_FRONT, "drive_torque_f"), (INPUT_DRIVE_REAR, "drive_torque_r")):
         if name in channels:
             values[:, column] = channels[name]
             found = True
+    if not found and "engine_torque" in channels and "gear" in channels:
+        line = vehicle.driveline
+        ratios = np.array([0.0, *line.gear_ratios])
+        gear = np.clip(np.round(channels["gear"]), 0, len(ratios) - 1).astype(int)
+        losses = np.where(channels["engine_torque"] > 0.0, line.efficiency, 1.0 / line.efficiency)
+        torque = channels["engine_torque"] * ratios[gear] * line.final_drive * losses
+        front = 2.0 * line.wheel_share()[0]
+        values[:, INPUT_DRIVE_FRONT], values[:, INPUT_DRIVE_REAR] = front * torque, (1.0 - front) * torque
+        found = True
     return found
 
 
@@ -128,6 +141,21 @@ def _steer(channels: Mapping[str, FloatArray], vehicle: VehicleFile) -> FloatArr
     return channels.get("steering_command")
 
 
+def _kinematic_steer(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> FloatArray:
+    """Angle (n,) [rad] at which the car would turn as it did if its tyres did not slip.
+
+    The turning is the gyroscope's, else that of the rear wheels' speeds. The lateral balance is not compared then.
+    """
+    channels = manoeuvre.channels
+    turn = channels.get("yaw_rate")
+    if turn is None and "wheel_speed_rl" in channels and "wheel_speed_rr" in channels:
+        difference = channels["wheel_speed_rr"] - channels["wheel_speed_rl"]
+        turn = difference * vehicle.wheels.rl.radius / vehicle.axles.rear.track
+    if turn is None:
+        return np.zeros(manoeuvre.samples)
+    return smooth(turn) * vehicle.body.wheelbase / np.maximum(reference_speed(manoeuvre, vehicle), SLOWEST_M_S)
+
+
 def _not_braked(pressures: FloatArray) -> NDArray[np.bool_]:
     """True where no wheel is braked, nor was shortly before."""
     braked = pressures.max(axis=1) > _BRAKED_PA
@@ -142,13 +170,20 @@ def smooth(values: FloatArray) -> FloatArray:
     return np.convolve(padded, np.full(_SMOOTHING_SAMPLES, 1.0 / _SMOOTHING_SAMPLES), "valid")
 
 
+def acceleration_of(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> FloatArray:
+    """Longitudinal acceleration (n,) [m/s^2], smoothed: measured, else the change of the speed."""
+    felt = manoeuvre.channels.get("longitudinal_acceleration")
+    if felt is None:
+        felt = np.gradient(smooth(reference_speed(manoeuvre, vehicle)), SAMPLE_TIME_S)
+    return smooth(felt)
+
+
 def _infer(
     values: FloatArray, inferred: NDArray[np.bool_], braked: bool, manoeuvre: Manoeuvre, vehicle: VehicleFile
 ) -> None:
     """Drive torque, or brake pressure where none is measured, that the measured acceleration asks for."""
     speed = reference_speed(manoeuvre, vehicle)
-    felt = manoeuvre.channels.get("longitudinal_acceleration")
-    acceleration = smooth(felt if felt is not None else np.gradient(smooth(speed), SAMPLE_TIME_S))
+    acceleration = acceleration_of(manoeuvre, vehicle)
     body, air = vehicle.body, vehicle.aerodynamics
     wheel = vehicle.wheels.fl
     drag = 0.5 * air.air_density * air.frontal_area * air.drag_coefficient * speed**2

@@ -135,6 +135,17 @@ def test_drive_torque_that_was_not_measured_gives_no_longitudinal_evidence(repla
     assert _error(model, 0, "wheel_speed_rl", model.predict(_neutral(model), 0)) < 0.1
 
 
+def test_engine_torque_and_gear_stand_for_the_drive_torque(replay: Replay, car: VehicleFile) -> None:
+    log = replay.manoeuvres[COAST]
+    line = car.driveline
+    ratio = line.gear_ratios[2] * line.final_drive * line.efficiency
+    channels = {name: values for name, values in log.channels.items() if not name.startswith("drive_torque")}
+    channels |= {"engine_torque": log.channels["drive_torque_r"] / ratio, "gear": np.full(log.samples, 3.0)}
+    model = Replay(car, [replace(log, channels=channels)])
+    found = model.predict(_neutral(model), 0)
+    assert np.allclose(found, replay.predict(_neutral(replay), COAST), rtol=0.0, atol=1e-9 * np.abs(found).max())
+
+
 def test_without_steering_the_lateral_balance_is_left_out(replay: Replay, car: VehicleFile) -> None:
     log = replay.manoeuvres[SINE]
     channels = {name: values for name, values in log.channels.items() if name != "steering_wheel_angle"}
