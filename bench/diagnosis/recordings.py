@@ -26,6 +26,11 @@ LARGEST_AGE_S = 10.0
 """Signals that never came have a greater age."""
 REFERENCE = "speed"
 
+VALVES = (
+    *(f"valve_inlet_{wheel}" for wheel in WHEELS),
+    *(f"valve_outlet_{wheel}" for wheel in WHEELS),
+    "pump",
+)
 LOGGED = (
     *(f"wheel_speed_{wheel}" for wheel in WHEELS),
     "longitudinal_acceleration",
@@ -38,9 +43,7 @@ LOGGED = (
     *(f"brake_pressure_{wheel}" for wheel in WHEELS),
     "drive_torque_f",
     "drive_torque_r",
-    *(f"valve_inlet_{wheel}" for wheel in WHEELS),
-    *(f"valve_outlet_{wheel}" for wheel in WHEELS),
-    "pump",
+    *VALVES,
 )
 
 
@@ -71,7 +74,8 @@ def as_log(recording: Path, folder: Path) -> tuple[Path, ChannelMap]:
     opened = Recording.open(recording)
     name = opened.folder.name if recording.is_dir() or recording.stem == "signals" else recording.stem
     path = folder / f"{name}.mf4"
-    present = [signal for signal in (*LOGGED, REFERENCE) if signal in opened]
+    left_out = VALVES if _valves_worked(opened) else ()
+    present = [signal for signal in (*LOGGED, REFERENCE) if signal in opened and signal not in left_out]
     if not any(signal in present for signal in LOGGED):
         raise InputError(f"{opened.path}: the recording holds no signal of the bus", mend="recording.signals: ['*']")
     with MDF(version="4.10") as mdf:
@@ -80,6 +84,15 @@ def as_log(recording: Path, folder: Path) -> tuple[Path, ChannelMap]:
             mdf.append(Mf4Signal(values, times, name=signal, unit=opened.units.get(signal, "1")))
         mdf.save(path, overwrite=True)
     return path, ChannelMap(file_format="mf4", channels={signal: Channel(source=signal) for signal in present})
+
+
+def _valves_worked(recording: RunArrays) -> bool:
+    """True where the control unit switched a valve.
+
+    It switches in steps of 5 ms; on the 10 ms of the diagnosis such commands would speak of sampling and not of valves.
+    The measured wheel pressures drive the replay then.
+    """
+    return any(signal in recording and bool(np.any(recording.array(signal) > 0.5)) for signal in VALVES)
 
 
 def car_of(recordings: Sequence[Path]) -> str:
