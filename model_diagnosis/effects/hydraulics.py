@@ -43,9 +43,10 @@ def _conductance(valve: str) -> tuple[EffectParameter, ...]:
 
 
 def _delay(valve: str) -> tuple[EffectParameter, ...]:
+    """A dead time; commands logged every 10 ms leave it open by 10 ms / sqrt(12)."""
     return (
         EffectParameter(
-            "delay", "s", -0.02, 0.03, 5e-4, 0.006, f"hydraulics.{valve}_delay_*", relative=False, never_negative=True
+            "delay", "s", -0.02, 0.03, 3e-3, 0.01, f"hydraulics.{valve}_delay_*", relative=False, never_negative=True
         ),
     )
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.effects.effect import Application
+from model_diagnosis.effects.effect import Application, Group
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.priors import NUISANCE_FLOOR
 from model_diagnosis.evidence.quadratic import Quadratic, widening
@@ -21,7 +21,13 @@ MARGIN = 3.0
 """Log evidence by which the wide scatter must beat the selected effects."""
 
 FAR_OFF = 4.0
-"""A nominal parameter is far off beyond this many times its scatter."""
+"""A nominal parameter is far off beyond this many times its scatter …"""
+
+LEAST_SHARE = 0.1
+"""… and this share of its value: less is no other car, however exactly it is known."""
+
+DATA_SHEET = (Group.TYRE, Group.BRAKE, Group.BODY, Group.AERODYNAMICS, Group.STEERING)
+"""Groups whose numbers make a car another one."""
 
 PARAMETERS_FAR_OFF = 3
 
@@ -33,7 +39,7 @@ class WrongVehicle:
     Attributes
     ----------
     evidence : log Bayes factor of the wide scatter against "nothing"
-    far_off : columns of nominal parameters beyond four times their scatter, the farthest first
+    far_off : columns of nominal parameters beyond four times their scatter and a tenth of their value, farthest first
     deviations : how far, in units of the scatter
     """
 
@@ -54,6 +60,8 @@ def nominal_columns(problem: Problem) -> NDArray[np.int64]:
             column
             for column, parameter in enumerate(replay.parameters)
             if parameter.vehicle_path
+            and replay.effects[int(replay.owner[column])].group in DATA_SHEET
+            and (parameter.relative or replay.effects[int(replay.owner[column])].group == Group.BODY)
             and parameter.nuisance_std > NUISANCE_FLOOR * parameter.effect_std
             and replay.effects[int(replay.owner[column])].application == Application.PLANT
         ],
@@ -80,8 +88,13 @@ def compare(problem: Problem, nothing: Fit, linearisation: Linearisation, start:
         fits.append(fit)
     best = int(np.argmax(evidences))
     evidence = float(np.logaddexp.reduce(evidences) - np.log(len(WIDENINGS)))
-    off = (fits[best].theta - problem.priors.centre)[columns] / problem.priors.nuisance[columns]
-    order = [number for number in np.argsort(-np.abs(off)) if abs(off[number]) > FAR_OFF]
+    deviation = (fits[best].theta - problem.priors.centre)[columns]
+    off = deviation / problem.priors.nuisance[columns]
+    order = [
+        number
+        for number in np.argsort(-np.abs(off))
+        if abs(off[number]) > FAR_OFF and abs(deviation[number]) > LEAST_SHARE
+    ]
     return WrongVehicle(
         evidence, tuple(int(columns[number]) for number in order), tuple(float(off[number]) for number in order)
     )
