@@ -39,6 +39,13 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         EffectParameter("pitch", "1", -0.4, 1.0, 0.25, 0.25),
     ),
     _form(
+        "form_damper_split",
+        Group.SUSPENSION,
+        "c_compression <- (1 + d) c_compression, c_rebound falls by as much",
+        ("roll_rate", "pitch_rate"),
+        EffectParameter("share", "1", -0.6, 0.6, 0.25, 0.25),
+    ),
+    _form(
         "form_lag",
         Group.SENSOR,
         "tau <- tau + d of accelerometers, gyro, wheel speeds and steering",

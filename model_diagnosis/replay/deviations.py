@@ -185,6 +185,13 @@ def _ratio(entry: np.void, deviation: float) -> None:
     entry["steering_scale"] /= 1.0 + deviation
 
 
+def _damper_split(entry: np.void, share: float) -> None:
+    """Damping moved from rebound to compression, their sum as before."""
+    moved = share * entry["compression_damping"]
+    entry["compression_damping"] += moved
+    entry["rebound_damping"] -= moved
+
+
 _CHANGES: Mapping[str, tuple[_Change, ...]] = {
     **_tyre_changes(),
     **_brake_changes(),
@@ -192,6 +199,7 @@ _CHANGES: Mapping[str, tuple[_Change, ...]] = {
     **_form_changes(),
 }
 _LAWS: Mapping[str, Callable[[np.void, float], None]] = {
+    "form_damper_split.share": _damper_split,
     "anti_dive_anti_lift.front": _support(FRONT),
     "anti_dive_anti_lift.rear": _support(REAR),
     "aero_lift_front_rear.front": _lift("lift_front"),
