@@ -18,7 +18,6 @@ COMMANDED = ("brake_pressure", "steering")
 _LEAD_S = 0.02
 _QUIET = 0.15
 _LEAST_SAMPLES = 50
-_REST_SAMPLES = 50
 _USUAL_NOISE = {"brake_pressure": 1e4, "steering": 2e-3}
 
 
@@ -35,18 +34,6 @@ def _measured(manoeuvre: Manoeuvre, name: str) -> FloatArray:
     of their own."""
     values = manoeuvre.channels[name][manoeuvre.weight(name) > 0.0]
     return values[_moving(values)]
-
-
-def _rests_exactly(manoeuvres: Sequence[Manoeuvre], group: str) -> bool:
-    """True where a group's channel stays exactly at one value other than zero for half a second: no sensor does."""
-    for manoeuvre in manoeuvres:
-        for name in members(group, list(manoeuvre.channels)):
-            values = manoeuvre.channels[name]
-            runs = np.flatnonzero(np.diff(np.concatenate(([np.nan], values, [np.nan]))) != 0.0)
-            longest = int(np.argmax(np.diff(runs)))
-            if np.diff(runs)[longest] >= _REST_SAMPLES and values[runs[longest]] != 0.0:
-                return True
-    return False
 
 
 def _moving(values: FloatArray) -> slice:
@@ -79,14 +66,12 @@ def lead_of(relations: Sequence[LagRelation], group: str) -> tuple[float, float]
 
 
 def find_command(manoeuvres: Sequence[Manoeuvre], relations: Sequence[LagRelation], vehicle: VehicleFile) -> list[Late]:
-    """Groups without noise that the car answers 20 ms late, or that rest exactly: commands, early by their lead."""
+    """Groups without noise that the car answers at least 20 ms late: commands, early by that lead."""
     found = []
     for group in COMMANDED:
         lead, spread = lead_of(relations, group)
-        leads = lead >= max(_LEAD_S, 1.2 * spread)
-        if not (leads or _rests_exactly(manoeuvres, group)) or not is_quiet(manoeuvres, group, vehicle):
+        if lead < max(_LEAD_S, 1.2 * spread) or not is_quiet(manoeuvres, group, vehicle):
             continue
-        lead = lead if leads else 0.0
         channels = list(dict.fromkeys(n for m in manoeuvres for n in members(group, list(m.channels))))
         found.append(Late("command_not_measurement", frozenset({group}), tuple(channels), -lead, spread))
     return found
@@ -95,18 +80,16 @@ def find_command(manoeuvres: Sequence[Manoeuvre], relations: Sequence[LagRelatio
 def command_fault(late: Late) -> DataFault:
     """The fault of a command that stands where a measurement should."""
     lead = -late.delay_s
-    known = f"leads the car's answer by {1e3 * lead:.0f} ms more than a measured value would; shifted by that lead"
-    unknown = "stays exactly at one value, which no sensor does; its lead is not known"
     message = (
-        f"{joined(late.channels)} has no sensor noise and {known if lead > 0.0 else unknown}: a command. The lag of "
-        "what carries it out stays unknown"
+        f"{joined(late.channels)} has no sensor noise and leads the car's answer by {1e3 * lead:.0f} ms more than a "
+        "measured value would: a command. Shifted by that lead; the lag of what carries it out stays unknown"
     )
     return DataFault(
         kind="command_not_measurement",
         channel=joined(late.channels),
-        value=lead if lead > 0.0 else None,
+        value=lead,
         unit="s",
         evidence=0.5 * (lead / late.std_s) ** 2 if 0.0 < late.std_s < np.inf else None,
-        repaired=lead > 0.0,
+        repaired=True,
         message=message,
     )

@@ -108,8 +108,15 @@ def _stamps(time: FloatArray, label: str) -> list[DataFault]:
         return []
     period = float(np.median(steps))
     regular = steps[steps < 1.5 * period]
-    mean = float(np.mean(regular))
-    lost = 1.0 - len(steps) * mean / float(np.sum(steps))
+    spread = 0.7413 * float(np.subtract(*np.percentile(regular, [75, 25])))
+    # a late frame is followed by an early one: over some steps jitter averages out, losses do not
+    over = 5 if spread < 0.1 * period else 25
+    mean = (
+        float(np.percentile(np.convolve(steps, np.full(over, 1.0 / over), "valid"), 25))
+        if len(steps) > over
+        else period
+    )
+    lost = max(0.0, 1.0 - len(steps) * mean / float(np.sum(steps)))
     longest = float(steps.max())
     faults = []
     if longest > max(_NAMED_GAP_S, _GAP_PERIODS * period):
@@ -118,7 +125,6 @@ def _stamps(time: FloatArray, label: str) -> list[DataFault]:
     elif lost > NAMED_LOSS:
         message = f"{label}: {100.0 * lost:.1f} % of the samples are lost (period {1e3 * mean:.3g} ms)"
         faults.append(_fault("frame_drop_hold", label, lost, "1", message))
-    spread = 0.7413 * float(np.subtract(*np.percentile(regular, [75, 25])))
     if spread > _JITTER * period:
         message = f"{label}: stamps jitter by {1e3 * spread:.3g} ms around a period of {1e3 * period:.3g} ms"
         faults.append(_fault("can_jitter", label, spread, "s", message))

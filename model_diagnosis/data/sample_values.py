@@ -3,6 +3,7 @@
 A check names a fault only where chance cannot explain it; what it finds is repaired (unwrapped) or masked.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,9 @@ _STUCK_S = 0.2
 _CONTEXT_S = 1.0
 _NEVER_WRAPS = ("brake_pressure_", "master_pressure", "drive_torque_", "engine_torque", "pedal_force")
 _APPROACH = 10
+_PRESSURES = ("brake_pressure_", "master_pressure")
+_REST_S = 1.0
+_FINE_OF_SPAN = 2e-3
 _END_OF_SPAN = 0.05
 _MOVING_HALF = 5
 _NOISE_OF_SPAN = 2e-4
@@ -90,12 +94,14 @@ def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
     trend = np.array([_trend(steps, int(k), set(jumps.tolist())) for k in jumps])
     sizes = np.abs(steps[jumps] - trend)
     wrap = float(np.median(sizes))
-    if np.max(np.abs(sizes - wrap)) > max(4.0 * usual, 0.02 * wrap):
+    alike = np.abs(sizes - wrap) <= max(4.0 * usual, 0.02 * wrap)
+    if np.mean(alike) < 0.5:
         return channel, []
+    jumps = jumps[alike]
     turns = np.zeros(len(values))
     turns[1:][jumps] = -np.sign(steps[jumps])
     unwrapped = values + wrap * np.cumsum(turns)
-    if not _goes_on(unwrapped, jumps, -np.sign(steps[jumps])):
+    if not _goes_on(unwrapped, jumps):
         return channel, []  # switched on and off
     repaired = channel.values.copy()
     repaired[rows] = unwrapped
@@ -107,13 +113,11 @@ def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
     ]
 
 
-def _goes_on(unwrapped: FloatArray, jumps: IndexArray, ways: FloatArray) -> bool:
-    """True where the unwrapped series moves the jump's opposite way before and after most jumps."""
+def _goes_on(unwrapped: FloatArray, jumps: IndexArray) -> bool:
+    """True where the unwrapped series moves one way before and after most jumps."""
     before = unwrapped[jumps] - unwrapped[np.maximum(jumps - _APPROACH, 0)]
     after = unwrapped[np.minimum(jumps + 1 + _APPROACH, len(unwrapped) - 1)] - unwrapped[jumps + 1]
-    moved = np.sign(before + after) * np.sign(np.sum(ways))
-    steady = np.minimum(np.abs(before), np.abs(after)) > 0.0
-    return bool(np.sum(ways) != 0.0 or len(jumps) > 1) and bool(np.mean(np.abs(moved) * steady) > 0.5)
+    return bool(np.mean(before * after > 0.0) > 0.5)
 
 
 def _trend(steps: FloatArray, jump: int, jumps: set[int]) -> float:
@@ -291,3 +295,37 @@ def fresh_values(channel: Samples) -> tuple[FloatArray, FloatArray]:
     """(time, values) of the samples that are measurements."""
     fresh: BoolArray = channel.valid & np.isfinite(channel.values)
     return channel.time[fresh], channel.values[fresh]
+
+
+def check_resting_pressures(channels: Mapping[str, Samples]) -> list[DataFault]:
+    """Name pressures that stay exactly at one value other than zero for a second beside sensors that have noise.
+
+    A finely resolved sensor never does that; a commanded value does.
+    """
+    named = [n for n in channels if n.startswith(_PRESSURES) and _rests_exactly(channels[n])]
+    if not named or not any(_is_noisy(channel) for name, channel in channels.items() if is_motion(name)):
+        return []
+    return [
+        DataFault(
+            kind="command_not_measurement",
+            channel=name,
+            unit="s",
+            message=f"{name} has no sensor noise and stays exactly at one value for a second and more: a command. The "
+            "lag of what carries it out stays unknown",
+        )
+        for name in named
+    ]
+
+
+def _rests_exactly(channel: Samples) -> bool:
+    values = channel.values[channel.valid]
+    if len(values) < _MIN_SAMPLES or resolution(values) >= _FINE_OF_SPAN * float(np.ptp(values)):
+        return False
+    runs = _runs(values)
+    rests = (runs.length * channel.period_s() >= _REST_S) & (runs.value != 0.0)
+    return bool(rests.any())
+
+
+def _is_noisy(channel: Samples) -> bool:
+    values = channel.values[channel.valid]
+    return noise_of(values) > 1e-6 * max(float(np.ptp(values)), 1e-9)

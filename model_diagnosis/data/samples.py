@@ -79,7 +79,8 @@ def read_samples(path: str | Path, channel_map: ChannelMap, vehicle: VehicleFile
     if not channel_map.channels:
         raise InputError(f"{path}: the channel map names no channel")
     raw = read_sources(path, channel_map, missing_ok=True)
-    can_log = channel_map.dbc is not None or _kind(path, channel_map) in ("blf", "asc", "candump")
+    kind = _kind(path, channel_map)
+    can_log = kind in ("blf", "asc", "candump") or (kind == "mf4" and channel_map.dbc is not None)
     return {
         name: _samples(path, name, channel, raw[channel.source], vehicle, can_log)
         for name, channel in channel_map.channels.items()

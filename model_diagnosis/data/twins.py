@@ -110,7 +110,7 @@ YAW_STEER = TwinKind(
     "yaw_rate",
     "steering",
     0.3,
-    0.05,
+    0.1,
     usual_lag_s=0.07,
 )
 AX_PRESSURE = TwinKind(
