@@ -30,6 +30,8 @@ SLOWEST_M_S = 4.0
 
 _BRAKED_PA = 1.5e5
 _LARGEST_INFERRED_M_S2 = 2.0
+"""Acceleration, along or across, up to which wheels are compared where its cause was not measured."""
+
 _SMOOTHING_SAMPLES = 11
 _RELEASE_SAMPLES = 10
 _START_SAMPLES = 20
@@ -43,7 +45,7 @@ class Inputs:
     ----------
     values : (n, INPUTS)
     inferred : (n,) True where the longitudinal force was taken from the measured acceleration
-    forced : (n,) True where that force is so large that the wheels' slip cannot be trusted either
+    forced : (n,) True where an acceleration that no channel explains is so large that the wheels' slip cannot be trusted
     steered : True where a steering channel is there
     """
 
@@ -73,7 +75,7 @@ def start_of(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> FloatArray:
     count = min(_START_SAMPLES, manoeuvre.samples)
     speed = reference_speed(manoeuvre, vehicle)[:count]
     line = np.polyfit(np.arange(count), speed, 1) if count > 2 else np.array([0.0, speed[0]])
-    yaw_rate = manoeuvre.channels.get("yaw_rate")
+    yaw_rate = turning(manoeuvre, vehicle)
     return np.array([max(float(line[1]), 0.0), 0.0 if yaw_rate is None else float(np.median(yaw_rate[: count // 2]))])
 
 
@@ -95,6 +97,10 @@ def read_inputs(manoeuvre: Manoeuvre, channels: Mapping[str, FloatArray], vehicl
     if inferred.any():
         _infer(values, inferred, braked, manoeuvre, vehicle)
     forced = inferred & (np.abs(acceleration_of(manoeuvre, vehicle)) > _LARGEST_INFERRED_M_S2)
+    if steer is None and "yaw_rate" not in channels:
+        turn = turning(manoeuvre, vehicle)
+        if turn is not None:
+            forced |= np.abs(smooth(turn) * reference_speed(manoeuvre, vehicle)) > _LARGEST_INFERRED_M_S2
     return Inputs(values, inferred, forced, steer is not None)
 
 
@@ -141,16 +147,23 @@ def _steer(channels: Mapping[str, FloatArray], vehicle: VehicleFile) -> FloatArr
     return channels.get("steering_command")
 
 
+def turning(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> FloatArray | None:
+    """Yaw rate (n,) [rad/s] by the gyroscope, else by the rear wheels' speeds; None without both."""
+    channels = manoeuvre.channels
+    if "yaw_rate" in channels:
+        return channels["yaw_rate"]
+    if "wheel_speed_rl" not in channels or "wheel_speed_rr" not in channels:
+        return None
+    difference = channels["wheel_speed_rr"] - channels["wheel_speed_rl"]
+    return smooth(difference) * vehicle.wheels.rl.radius / vehicle.axles.rear.track
+
+
 def _kinematic_steer(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> FloatArray:
     """Angle (n,) [rad] at which the car would turn as it did if its tyres did not slip.
 
-    The turning is the gyroscope's, else that of the rear wheels' speeds. The lateral balance is not compared then.
+    The lateral balance is not compared then.
     """
-    channels = manoeuvre.channels
-    turn = channels.get("yaw_rate")
-    if turn is None and "wheel_speed_rl" in channels and "wheel_speed_rr" in channels:
-        difference = channels["wheel_speed_rr"] - channels["wheel_speed_rl"]
-        turn = difference * vehicle.wheels.rl.radius / vehicle.axles.rear.track
+    turn = turning(manoeuvre, vehicle)
     if turn is None:
         return np.zeros(manoeuvre.samples)
     return smooth(turn) * vehicle.body.wheelbase / np.maximum(reference_speed(manoeuvre, vehicle), SLOWEST_M_S)

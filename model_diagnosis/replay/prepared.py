@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from model_diagnosis.effects.sensor_chain import ring_carriers
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay.hydraulic import HydraulicLog, read_hydraulics
-from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of
+from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of, turning
 from model_diagnosis.replay.record import CORRECTED, OUTPUTS
 from signals.errors import InputError
 from signals.wheels import WHEELS
@@ -36,6 +36,8 @@ COMPARED = (
     *(f"suspension_travel_{wheel}" for wheel in WHEELS),
 )
 """Signals that the car in motion can be compared on, where they were measured."""
+
+YAW = CORRECTED.index("yaw_rate")
 
 _LONGITUDINAL = ("longitudinal_acceleration", "speed")
 _LATERAL = ("lateral_acceleration", "yaw_rate", "lateral_speed", "side_slip_angle", "roll_rate", "roll_angle")
@@ -110,6 +112,9 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> Prepared:
     for k, name in enumerate(CORRECTED):
         if name in channels:
             corrected[:, k], valid[:, k] = channels[name], manoeuvre.weight(name) > 0.0
+    turn = turning(manoeuvre, vehicle)
+    if "yaw_rate" not in channels and not inputs.steered and turn is not None:
+        corrected[:, YAW], valid[:, YAW] = turn, 1.0
     return Prepared(
         manoeuvre=manoeuvre,
         signals=signals,
