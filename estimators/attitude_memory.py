@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from estimators.attitude_forms import ENTRIES, ROWS
+from estimators.attitude_settings import ATTITUDE_OUTPUTS
 from estimators.attitude_two_wheeler import INPUTS, LOADS, MECHANICS
 from estimators.attitude_weights import BANK_ROWS
 from estimators.kalman.covariance import FloatArray, IntArray
@@ -75,8 +76,8 @@ class Memory(NamedTuple):
         Weighted state (29) and its variances.
     entries, rows : shapes (k,), (m,)
         Entries of the full vector that are states; rows of the measurement that are used.
-    inputs : shape (2, 11)
-        Inputs of this step and of the last one.
+    inputs : shape (3, 11)
+        Inputs of this step, of the last one, and in the middle between them.
     filtered : shape (7, 3)
         Low-passes: two memories and the value, for each channel.
     coefficients : shape (2, 5)
@@ -115,6 +116,7 @@ class Memory(NamedTuple):
     transition: FloatArray
     design: FloatArray
     columns: IntArray
+    report: FloatArray
     work: FloatArray
     wide: FloatArray
 
@@ -133,7 +135,7 @@ def memory(filters: int, entries: IntArray, rows: IntArray, wheels: int) -> Memo
         loads=np.zeros(LOADS),
         entries=entries,
         rows=rows,
-        inputs=np.zeros((2, INPUTS)),
+        inputs=np.zeros((3, INPUTS)),
         filtered=np.zeros((CHANNELS, 3)),
         coefficients=np.zeros((2, 5)),
         matrices=np.zeros((2, 3, 3)),
@@ -153,6 +155,7 @@ def memory(filters: int, entries: IntArray, rows: IntArray, wheels: int) -> Memo
         transition=np.zeros((k, k)),
         design=np.zeros((m, k)),
         columns=np.arange(k),
+        report=np.zeros(len(ATTITUDE_OUTPUTS)),
         work=np.zeros((k, k)),
         wide=np.zeros((3, k)),
     )

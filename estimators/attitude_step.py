@@ -8,7 +8,6 @@ from numba import njit
 from estimators.attitude_car import friction_share
 from estimators.attitude_filter import correct_filter, predict_filter
 from estimators.attitude_forms import (
-    B_X,
     ENTRIES,
     LATERAL_SPEED,
     PHI,
@@ -63,6 +62,7 @@ from estimators.attitude_memory import (
 )
 from estimators.attitude_settings import ATTITUDE_OUTPUTS
 from estimators.attitude_two_wheeler import (
+    INPUTS,
     L_ELEVATION,
     L_ELEVATION_RATE,
     L_FRONT,
@@ -187,6 +187,10 @@ def _take_inputs(a: Memory, guard: FloatArray, differentiate: bool) -> None:
     now[U_ELEVATION], now[U_ELEVATION_RATE] = a.loads[L_ELEVATION], a.loads[L_ELEVATION_RATE]
     if a.tuning[CAR] > 0.0:
         now[U_STEER] = guard[a.sources[_STEER_SOURCE] - 1, VALUE]
+    # a first difference is the derivative half a step ago: there the prediction takes its inputs
+    for place in range(INPUTS):
+        rises = U_ROLL_RISE <= place < U_ROLL_RISE + 3
+        a.inputs[2, place] = now[place] if rises else 0.5 * (now[place] + before[place])
     a.measured[ROW_Y], a.measured[ROW_Z] = now[U_Y], _along_axes(a, 1, 2)
     a.measured[ROW_SPEED], a.measured[ROW_ROLL] = a.filtered[_SPEED_CHANNEL, 2], a.tuning[TARGET]
 
@@ -306,21 +310,19 @@ def _step(a: Memory, bike: Any, car: Any, guard: FloatArray, first: bool) -> boo
 
 
 @njit(cache=True)
-def _report(a: Memory, guard: FloatArray, out: FloatArray) -> None:
+def _report(a: Memory) -> None:
+    """Outputs of a step, which the ticks up to the next one repeat."""
+    out = a.report
     out[:] = 0.0
-    out[0], out[1], out[2] = a.status[ACTIVE], a.status[RESETS], a.status[VERDICT]
     for entry in range(ENTRIES):
-        out[_OUT_STATE + 2 * entry] = a.combined[entry]
+        moves = a.status[ACTIVE] > 0.0 or not _moves(entry)
+        out[_OUT_STATE + 2 * entry] = a.combined[entry] if moves else 0.0
         out[_OUT_STATE + 2 * entry + 1] = math.sqrt(min(max(a.variance[entry], 0.0), _MOST_REPORTED))
     if a.status[ACTIVE] == 0.0:
-        for entry in range(B_X):
-            if _moves(entry):
-                out[_OUT_STATE + 2 * entry] = 0.0
         return
     speed = max(abs(a.combined[SPEED]), a.tuning[MINIMUM_SPEED])
     out[_OUT_SLIP] = math.atan2(a.combined[LATERAL_SPEED], speed)
     out[_OUT_SLIP + 1] = out[_OUT_STATE + 2 * LATERAL_SPEED + 1] / speed
-    out[_OUT_AGE] = a.tuning[DELAY] + guard[0, DATA_AGE] + a.status[TICKS] * a.tuning[SAMPLE_TIME]
     out[_OUT_VIRTUAL] = a.combined[int(a.tuning[REPORTED])] if a.tuning[REPORTED] >= 0.0 else 0.0
     out[_OUT_ZERO] = a.bank[WEIGHT, nearest_to_zero(a.bank)]
     out[_OUT_LARGEST] = a.bank[WEIGHT, most_likely(a.bank)]
@@ -333,6 +335,15 @@ def _report(a: Memory, guard: FloatArray, out: FloatArray) -> None:
 
 
 @njit(cache=True)
+def _write(a: Memory, guard: FloatArray, out: FloatArray) -> None:
+    for place in range(out.shape[0]):
+        out[place] = a.report[place]
+    out[0], out[1], out[2] = a.status[ACTIVE], a.status[RESETS], a.status[VERDICT]
+    if a.status[ACTIVE] > 0.0:
+        out[_OUT_AGE] = a.tuning[DELAY] + guard[0, DATA_AGE] + a.status[TICKS] * a.tuning[SAMPLE_TIME]
+
+
+@njit(cache=True)
 def forget(a: Memory) -> None:
     """Everything that the filters know."""
     _begin(a, False)
@@ -341,6 +352,7 @@ def forget(a: Memory) -> None:
     a.variance[:] = 0.0
     a.filtered[:] = 0.0
     a.inputs[:] = 0.0
+    a.report[:] = 0.0
     a.status[ACTIVE] = a.status[FILTERING] = a.status[HELD] = a.status[INNOVATION] = 0.0
 
 
@@ -362,7 +374,8 @@ def attitude_tick(
         if status[ACTIVE] > 0.0:
             status[RESETS] += 1.0
         forget(a)
-        _report(a, guard, out)
+        _report(a)
+        _write(a, guard, out)
         return
     _sense(a, guard)
     status[ABS] = 0.0
@@ -371,8 +384,10 @@ def attitude_tick(
         status[ABS] = 1.0 if 0.0 <= age <= t[STALE_AGE] and 0.5 < reported <= 1.0 else 0.0
     # the first sample, on which the low-passes start, is as noisy as any
     if status[FILTERING] < t[SETTLING_TICKS] or measured_speed(a, guard) < t[MINIMUM_SPEED]:
-        status[ACTIVE] = 0.0
-        _report(a, guard, out)
+        if status[ACTIVE] > 0.0:
+            status[ACTIVE] = 0.0
+            _report(a)
+        _write(a, guard, out)
         return
     status[TICKS] += 1.0
     first = status[ACTIVE] == 0.0
@@ -384,7 +399,8 @@ def attitude_tick(
         if not _step(a, bike, car, guard, first):
             status[RESETS] += 1.0
             forget(a)
-    _report(a, guard, out)
+        _report(a)
+    _write(a, guard, out)
 
 
 @njit(cache=True)

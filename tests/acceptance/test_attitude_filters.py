@@ -391,7 +391,7 @@ def test_loop_of_the_wheel_loads() -> None:
     assert np.std(slope) > 1e-3
     found = outputs(light, columns)
     assert not found["elevation_angle"].any()
-    assert not light.memory.inputs[:, U_ELEVATION : U_ELEVATION + 2].any()
+    assert not light.memory.inputs[:2, U_ELEVATION : U_ELEVATION + 2].any()
     assert light.tick.func is bank.tick.func, "the same code"
     assert found["road_slope"][-1] == pytest.approx(found["pitch_angle"][-1], abs=1e-12), "zeta = 0"
 
