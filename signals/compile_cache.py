@@ -79,5 +79,6 @@ def compile_folder() -> Path:
 
 def _set_folder() -> str:
     folder = str(cache_root() / "compiled" / source_hash(Path(__file__).resolve().parent.parent))
-    os.environ.setdefault("NUMBA_CACHE_DIR", folder)
+    # an empty variable counts as none: numba would cache beside the sources, and reuse stale callees
+    os.environ["NUMBA_CACHE_DIR"] = os.environ.get("NUMBA_CACHE_DIR") or folder
     return os.environ["NUMBA_CACHE_DIR"]
