@@ -279,8 +279,8 @@ WRONG_PARAMETERS = {
 }
 MISSED = pytest.mark.xfail(
     strict=True,
-    reason="2.1 times: 0.20 degrees, which is less than twice the document's nominal 0.11, but the nominal error is only "
-    "0.095 here since the prediction takes its inputs in the middle of a step",
+    reason="2.1 times: 0.20 degrees, less than twice the document's nominal 0.11, but the nominal error is only 0.095 "
+    "here since the prediction takes its inputs in the middle of a step",
 )
 
 
