@@ -244,6 +244,7 @@ class _Pipeline:
             gain=gain,
             remarks=self._remarks(selection, wrong),
             insufficient=list(shown.insufficient),
+            detection_limits=dict(shown.by_column),
             guilty_equations=guilty,
             probability_of_nothing=min((detail.alike.nothing for detail in details), default=None),
             threshold=needed,

@@ -119,6 +119,9 @@ class Diagnosis(Part):
     extension_file: str | None = None
     remarks: list[str] = []
     insufficient: list[str] = Field(default_factory=list, description="effects that this data does not excite")
+    detection_limits: dict[str, float] = Field(
+        default_factory=dict, description="effect.parameter -> smallest deviation that this data would show"
+    )
     guilty_equations: dict[str, float] = Field(default_factory=dict, description="equation -> likelihood ratio")
     ratings: dict[str, dict[str, float]] = Field(
         default_factory=dict, description="manoeuvre -> signal -> ISO/TS 18571 rating"

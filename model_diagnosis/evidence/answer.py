@@ -10,6 +10,7 @@ from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.evidence.checks import Consistency, consistency
 from model_diagnosis.evidence.lookalikes import LookAlikes
 from model_diagnosis.evidence.quadratic import total
+from model_diagnosis.evidence.replay_model import ReplayModel
 from model_diagnosis.evidence.search import Search, ratios
 from model_diagnosis.evidence.selection import Accepted, Selection
 from model_diagnosis.result import Cause, ParameterEstimate
@@ -74,7 +75,7 @@ def causes(search: Search, selection: Selection, alike: Sequence[LookAlikes], ph
             },
             equation=effect.equation,
             evidence=float(accepted.evidence),
-            remarks=_remarks(agreement, accepted, names),
+            remarks=[*_remarks(agreement, accepted, names), *_alike(other, problem.replay)],
         )
         found.append(CauseDetail(cause, accepted, other, agreement, held_out))
     return sorted(found, key=lambda one: (-round(one.cause.probability, 3), -one.cause.evidence))
@@ -89,6 +90,15 @@ def _estimate(
         for side in (-1.0, 1.0)
     )
     return ParameterEstimate(value=value, low=ends[0], high=ends[1], unit=unit, nominal=nominal)
+
+
+def _alike(other: LookAlikes, replay: ReplayModel) -> list[str]:
+    return [
+        f"{replay.effects[member].name} looks the same: canonical correlation {correlation:.3f}, "
+        f"{other.separations[member]:.1f} expected to tell them apart"
+        for member, correlation in other.correlations.items()
+        if member in other.separations
+    ]
 
 
 def _remarks(agreement: Mapping[int, Consistency], accepted: Accepted, names: Sequence[str]) -> list[str]:

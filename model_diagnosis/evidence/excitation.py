@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.effects.effect import Group
+from model_diagnosis.effects.form import FORM_NAMES
 from model_diagnosis.evidence.fitting import Problem
 from model_diagnosis.evidence.quadratic import Quadratic
 from model_diagnosis.evidence.threshold import detection_limits
@@ -26,6 +27,7 @@ class Excitation:
     limits : (p,) smallest deviation whose expected evidence reaches the threshold; inf where the data never shows it
     shown : (p,) True where that lies within the column's bounds
     insufficient : names of effects none of whose deviations is shown
+    by_column : name of a shown column -> its limit
     """
 
     limits: FloatArray
@@ -45,9 +47,11 @@ def excitation(problem: Problem, information: FloatArray, needed: float) -> Exci
     insufficient = tuple(
         effect.name
         for index, effect in enumerate(replay.effects)
-        if effect.group not in DATA_GROUPS and _none(shown, replay.owner == index)
+        if effect.group not in DATA_GROUPS and effect.name not in FORM_NAMES and _none(shown, replay.owner == index)
     )
-    by_column = {name: float(limit) for name, limit in zip(replay.columns, limits, strict=True)}
+    by_column = {
+        name: float(limit) for name, limit, is_shown in zip(replay.columns, limits, shown, strict=True) if is_shown
+    }
     return Excitation(limits, shown, insufficient, by_column)
 
 

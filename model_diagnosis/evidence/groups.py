@@ -8,8 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.evidence.quadratic import Quadratic
-
 FloatArray = NDArray[np.float64]
 
 SEPARATION_NEEDED = 3.0
@@ -37,23 +35,6 @@ def separation(information: FloatArray, size: FloatArray, first: Sequence[int], 
     ridge = RIDGE * max(float(np.trace(other)) / len(second), 1e-300)
     explained = across @ np.linalg.solve(other + ridge * np.eye(len(second)), across.T)
     return max(0.0, 0.5 * float(size @ (own - explained) @ size))
-
-
-def projected_information(quadratic: Quadratic, nuisance: FloatArray) -> FloatArray:
-    """G (p, p), the information on each deviation beside the nuisance prior."""
-    return quadratic.projected(nuisance)[1]
-
-
-def correlations(information: FloatArray, effects: Sequence[Sequence[int]]) -> FloatArray:
-    """Canonical correlations (e, e) between all effects; 0 for one that the data does not show."""
-    count = len(effects)
-    table = np.eye(count)
-    shown = [bool(len(columns)) and float(np.trace(information[np.ix_(columns, columns)])) > 0.0 for columns in effects]
-    for i in range(count):
-        for j in range(i):
-            if shown[i] and shown[j]:
-                table[i, j] = table[j, i] = canonical_correlation(information, effects[i], effects[j])
-    return table
 
 
 def _inverse_root(block: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.evidence.groups import SEPARATION_NEEDED, separation
+from model_diagnosis.evidence.groups import SEPARATION_NEEDED, canonical_correlation, separation
 from model_diagnosis.evidence.hypotheses import Hypothesis, by_effect
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.search import Search, linear_evidence, ratios
@@ -34,6 +34,7 @@ class LookAlikes:
     probability : (effects,) of each in its place
     nothing : probability of none of them
     separations : effect -> expected log evidence that tells it from the accepted one
+    correlations : member of the group -> largest canonical correlation with the accepted one
     """
 
     group: tuple[int, ...]
@@ -41,6 +42,7 @@ class LookAlikes:
     probability: FloatArray
     nothing: float
     separations: dict[int, float]
+    correlations: dict[int, float]
 
 
 def look_alikes(
@@ -67,7 +69,21 @@ def look_alikes(
         if effect in forced or accepted.evidence - evidence[effect] < SEPARATION_NEEDED:
             group.append(effect)
     probability, nothing = probabilities(evidence)
-    return LookAlikes(tuple(group), evidence, probability, nothing, separations)
+    alike = _correlations(search, quadratic, rest, own, group[1:])
+    return LookAlikes(tuple(group), evidence, probability, nothing, separations, alike)
+
+
+def _correlations(
+    search: Search, quadratic: Quadratic, rest: Sequence[Hypothesis], own: Hypothesis, others: Sequence[int]
+) -> dict[int, float]:
+    """Largest canonical correlation of the accepted effect with each of the others, over their hypotheses."""
+    _, information = quadratic.projected(ratios(search.problem, rest))
+    found: dict[int, float] = {}
+    for hypothesis in search.hypotheses:
+        if hypothesis.effect in others:
+            value = canonical_correlation(information, own.columns, hypothesis.columns)
+            found[hypothesis.effect] = max(value, found.get(hypothesis.effect, 0.0))
+    return found
 
 
 def _evidence_in_place(

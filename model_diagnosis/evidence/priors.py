@@ -45,17 +45,6 @@ class Priors:
             high=np.array([parameter.high for parameter in parameters]),
         )
 
-    def recentred(self, shift: FloatArray, spread: FloatArray) -> "Priors":
-        """Priors moved by the shift that form errors cause and widened by what of it varies (anchor 3.4a)."""
-        nuisance = np.hypot(self.nuisance, spread)
-        return Priors(
-            centre=np.clip(self.centre + shift, self.low, self.high),
-            nuisance=nuisance,
-            effect=np.maximum(self.effect, nuisance),
-            low=self.low,
-            high=self.high,
-        )
-
     def widths(self, present: Iterable[int] = ()) -> FloatArray:
         """Prior widths (p,) where the named columns belong to effects that are present."""
         widths = self.nuisance.copy()

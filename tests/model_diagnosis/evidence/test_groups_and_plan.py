@@ -6,7 +6,7 @@ from linear_car import LinearCar, effect
 from numpy.typing import NDArray
 
 from model_diagnosis.evidence.base import fit_base
-from model_diagnosis.evidence.groups import canonical_correlation, correlations, separation
+from model_diagnosis.evidence.groups import canonical_correlation, separation
 from model_diagnosis.evidence.manoeuvre_library import LIBRARY, PlannedManoeuvre
 from model_diagnosis.evidence.plan import Pair, plan
 from model_diagnosis.evidence.priors import Priors
@@ -49,8 +49,7 @@ def test_canonical_correlation_finds_the_shared_direction_of_two_subspaces() -> 
     rng = np.random.default_rng(1)
     basis, _ = np.linalg.qr(rng.standard_normal((30, 5)))
     matrix = np.column_stack([basis[:, :2], basis[:, 2], 0.6 * basis[:, 1] + 0.8 * basis[:, 3]])
-    table = correlations(matrix.T @ matrix, [(0, 1), (2, 3)])
-    assert table[0, 1] == pytest.approx(0.6)
+    assert canonical_correlation(matrix.T @ matrix, (0, 1), (2, 3)) == pytest.approx(0.6)
 
 
 def _problem() -> tuple[LinearCar, FloatArray]:

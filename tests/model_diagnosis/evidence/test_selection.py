@@ -92,6 +92,8 @@ def test_exact_look_alikes_are_one_group_and_share_the_probability() -> None:
     alike = [look_alikes(search, selection, one) for one in selection.accepted]
     assert len(alike) == 1
     assert set(alike[0].group) == {3, 4}
+    (correlation,) = alike[0].correlations.values()
+    assert correlation == pytest.approx(1.0, abs=1e-6)
     assert alike[0].probability[[3, 4]].sum() > 0.95
     assert alike[0].probability[[3, 4]].min() > 0.1
 
