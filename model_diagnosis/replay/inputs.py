@@ -45,7 +45,7 @@ class Inputs:
     ----------
     values : (n, INPUTS)
     inferred : (n,) True where the longitudinal force was taken from the measured acceleration
-    forced : (n,) True where an acceleration that no channel explains is so large that the wheels' slip cannot be trusted
+    forced : (n,) True where an acceleration that no channel explains is so large that wheels and forces say nothing
     steered : True where a steering channel is there
     """
 

@@ -149,7 +149,7 @@ def _weights(manoeuvre: Manoeuvre, signals: tuple[str, ...], inputs: Inputs, veh
     for k, name in enumerate(signals):
         weights[:, k] = manoeuvre.weight(name) * moving
         if name in _LONGITUDINAL:
-            weights[inputs.inferred, k] = 0.0
+            weights[inputs.inferred | inputs.forced, k] = 0.0
         if name.startswith("wheel_speed_"):
             weights[inputs.forced, k] = 0.0
         if name in _LATERAL and not inputs.steered:
