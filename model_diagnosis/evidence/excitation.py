@@ -50,7 +50,9 @@ def excitation(problem: Problem, information: FloatArray, needed: float) -> Exci
         if effect.group not in DATA_GROUPS and effect.name not in FORM_NAMES and _none(shown, replay.owner == index)
     )
     by_column = {
-        name: float(limit) for name, limit, is_shown in zip(replay.columns, limits, shown, strict=True) if is_shown
+        replay.columns[column]: float(limits[column])
+        for column in np.flatnonzero(shown)
+        if replay.effects[int(replay.owner[column])].name not in FORM_NAMES
     }
     return Excitation(limits, shown, insufficient, by_column)
 
