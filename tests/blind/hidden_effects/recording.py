@@ -56,6 +56,7 @@ class MessageLog:
 def draw_loggers(random: np.random.Generator, *, one_raster: bool) -> Loggers:
     """Loggers of a case; ``one_raster`` samples all messages at the same instants, as a table does."""
     phases = {message: 0.0 if one_raster else float(random.uniform(0.0, CYCLE_S)) for message in MESSAGES}
+    phases["VALVES"] = 0.0
     return Loggers(float(random.uniform(0.0, LARGEST_CLOCK_OFFSET_S)), phases)
 
 

@@ -20,7 +20,7 @@ STEP_S = 0.0005
 RECORD_EVERY = 2
 SLOWEST_SLIP_SPEED_M_S = 0.5
 SLOWEST_RELAXATION_SPEED_M_S = 1.0
-BOOSTER_LAG_S = 0.05
+BOOSTER_LAG_S = 0.02
 STEERING_LAG_S = 0.0075
 DRIVING_NM = 1.0
 BRAKING_N = 5.0
@@ -43,6 +43,8 @@ _COLUMNS = len(OUTPUTS)
 FloatArray = NDArray[np.float64]
 
 CYCLE_STEPS = round(controller.CYCLE_S / STEP_S)
+CYCLE_SHIFT_S = 0.5 * controller.CYCLE_S
+"""The control unit decides half a cycle after the instants at which its frames are sampled."""
 
 MEMORY = np.dtype(
     [
@@ -137,18 +139,21 @@ def _start(car: Any, s: Any, speed: float, given: FloatArray) -> None:
 
 
 @njit(cache=True)
-def _follow(s: Any, given: FloatArray, row: int) -> None:
-    """Replay: commands of the record, and a pull towards its speeds and pressures."""
+def _command(s: Any, given: FloatArray, row: int) -> None:
+    """Replay: the recorded commands of the control unit."""
     s.pump = given[row, _PUMP]
     for i in range(4):
         s.inlet[i], s.outlet[i] = given[row, _INLET + i], given[row, _OUTLET + i]
-    if row == 0:
-        return
+
+
+@njit(cache=True)
+def _pull(s: Any, given: FloatArray, row: int) -> None:
+    """Replay: a pull towards the recorded speeds and pressures."""
     for i in range(4):
-        s.omega[i] += PULL_WHEEL * (given[row - 1, _WHEEL + i] - s.omega[i])
-        s.pressure[i] += PULL_PRESSURE * (given[row - 1, _PRESSURE + i] - s.pressure[i])
-    s.body[chassis.VX] += PULL_SPEED * (given[row - 1, 0] - s.body[chassis.VX])
-    s.body[chassis.YAW_RATE] += PULL_WHEEL * (given[row - 1, 2] - s.body[chassis.YAW_RATE])
+        s.omega[i] += PULL_WHEEL * (given[row, _WHEEL + i] - s.omega[i])
+        s.pressure[i] += PULL_PRESSURE * (given[row, _PRESSURE + i] - s.pressure[i])
+    s.body[chassis.VX] += PULL_SPEED * (given[row, 0] - s.body[chassis.VX])
+    s.body[chassis.YAW_RATE] += PULL_WHEEL * (given[row, 2] - s.body[chassis.YAW_RATE])
 
 
 @njit(cache=True)
@@ -168,8 +173,8 @@ def _pressures(car: Any, s: Any, cycles: FloatArray, time: float) -> None:
     """Wheel pressures and accumulators after a step; ``cycles`` (2, cycles, 4) are inlet and outlet commands."""
     share = STEP_S / brakes.VALVE_LAG_S
     for i in range(4):
-        late_in = max(int((time - car.inlet_delay[i]) / controller.CYCLE_S + 1e-9), 0)
-        late_out = max(int((time - car.outlet_delay[i]) / controller.CYCLE_S + 1e-9), 0)
+        late_in = max(int((time - car.inlet_delay[i] + CYCLE_SHIFT_S) / controller.CYCLE_S + 1e-9), 0)
+        late_out = max(int((time - car.outlet_delay[i] + CYCLE_SHIFT_S) / controller.CYCLE_S + 1e-9), 0)
         s.opening_in[i] += share * (1.0 - cycles[0, late_in, i] - s.opening_in[i])
         s.opening_out[i] += share * (cycles[1, late_out, i] - s.opening_out[i])
         circuit = 0 if i in (0, 3) else 1
@@ -247,7 +252,9 @@ def _wheel(car: Any, s: Any, i: int, acting: float, drive_torque: float, cosine:
     _brake(car, s, i, acting)
     vx, vy, yaw = s.body[chassis.VX], s.body[chassis.VY], s.body[chassis.YAW_RATE]
     place_x, place_y = chassis.wheel_place(car, i)
-    along, across = vx - yaw * place_y, vy + yaw * place_x
+    # the body turns about its centre of gravity, the contacts lie below it
+    along = vx - yaw * place_y - car.cg_height * s.body[chassis.PITCH_RATE]
+    across = vy + yaw * place_x + car.cg_height * s.body[chassis.ROLL_RATE]
     if i < 2:
         along, across = along * cosine + across * sine, across * cosine - along * sine
     load = max(s.load[i] + _roughness(s.distance, i, car.roughness), 0.0)
@@ -333,12 +340,15 @@ def _run(
         row = n // RECORD_EVERY
         if s.body[chassis.VX] < stop_below:
             return row
-        if n % CYCLE_STEPS == 0:
+        if replay and n % CYCLE_STEPS == 0 and n > 0:
+            _pull(s, given, row - 1)
+        if n % CYCLE_STEPS == CYCLE_STEPS // 2:
             if replay:
-                _follow(s, given, row)
+                _command(s, given, row)
             else:
                 _control(car, s, pedal[n] > BRAKING_N)
-            cycles[0, n // CYCLE_STEPS], cycles[1, n // CYCLE_STEPS] = s.inlet, s.outlet
+            cycle = n // CYCLE_STEPS + 1
+            cycles[0, cycle], cycles[1, cycle] = s.inlet, s.outlet
         asked = car.booster_gain * pedal[n]
         asked = min(asked, car.booster_knee + BEYOND_KNEE * asked)
         s.master = given[row, _MASTER] if replay else s.master + STEP_S / BOOSTER_LAG_S * (asked - s.master)

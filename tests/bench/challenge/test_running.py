@@ -1,0 +1,83 @@
+"""A run of the challenge from the generator to the figures; answers that a broken-off run left are taken over."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from bench.challenge import run_challenge
+from bench.challenge.generator import generate
+from bench.challenge.running import SCORE_FILE
+from bench.cli import main
+from signals.errors import InputError
+
+CLEAN = {
+    "verdict": "nothing_found",
+    "causes": [],
+    "data_faults": [],
+    "discovered_terms": [],
+    "insufficient": [],
+}
+SEED, COUNT = 10_001, 2
+
+
+@pytest.fixture(scope="module")
+def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a run that was broken off after its last answer: cases, seals, answers; nothing opened."""
+    folder = tmp_path_factory.mktemp("challenge")
+    generate(folder / "cases", folder / "sealed", seed=SEED, count=COUNT, family="clean", generator="first")
+    (folder / "answers").mkdir()
+    for index in range(COUNT):
+        alarm = {"effect": "aero_drag", "probability": 0.9, "parameters": {}, "group": ["aero_drag"]}
+        answer = CLEAN | ({"causes": [alarm], "verdict": "effect_found"} if index else {})
+        text = json.dumps({"diagnosis": answer, "seconds": 1.0})
+        (folder / "answers" / f"case_{index:04d}.json").write_text(text)
+    return folder
+
+
+def test_a_broken_off_run_goes_on_and_scores_its_answers(begun: Path) -> None:
+    result = run_challenge(seed=SEED, count=COUNT, family="clean", out=begun)
+    assert [score.false_alarm for score in result.scores] == [False, True]
+    written = json.loads((begun / SCORE_FILE).read_text())
+    alarms = next(figure for figure in written["figures"] if figure["name"] == "false alarms on clean cars")
+    assert (alarms["value"], alarms["cases"], alarms["met"]) == (0.5, 2, False)
+    assert alarms["interval"] == pytest.approx([0.0945, 0.9055], abs=1e-3)
+    assert "false alarms on clean cars" in written["missed"]
+    assert written["confusion"] == {"nothing": {"nothing": 1, "aero_drag": 1}}
+    record = json.loads((begun / "answers.sha256").read_text())
+    assert record["answers"] == COUNT
+
+
+def test_the_command_ends_with_1_where_a_figure_is_missed(begun: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["diagnose", "challenge", "--seed", str(SEED), "--n", str(COUNT), "--family", "clean", "--out", str(begun)]
+    assert main(words) == 1
+    text = capsys.readouterr().out
+    assert "false alarms on clean cars" in text
+    assert "MISSED" in text
+    assert (begun / "reliability.svg").read_text().startswith("<svg")
+
+
+def test_json_is_all_that_is_printed(begun: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["diagnose", "challenge", "--seed", str(SEED), "--n", str(COUNT), "--family", "clean", "--json"]
+    assert main([*words, "--out", str(begun)]) == 1
+    assert json.loads(capsys.readouterr().out)["seed"] == SEED
+
+
+def test_a_folder_with_another_challenge_is_refused(begun: Path) -> None:
+    with pytest.raises(InputError, match="another challenge"):
+        run_challenge(seed=SEED + 1, count=COUNT, family="clean", out=begun)
+
+
+def test_a_table_seed_is_refused_before_anything_is_made(tmp_path: Path) -> None:
+    looks = tmp_path / "looks.jsonl"
+    look = {"seed": 1_000_000, "n": 200, "family": None, "generator": "first", "time": "2026-01-01T00:00:00+00:00"}
+    looks.write_text(json.dumps(look) + "\n")
+    with pytest.raises(InputError, match="scored before"):
+        run_challenge(seed=1_000_000, count=200, out=tmp_path / "run", looks=looks)
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize(("option", "value"), [("--family", "nonsense"), ("--generator", "third")])
+def test_unknown_names_end_with_what_is_allowed(option: str, value: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["diagnose", "challenge", "--seed", "1", "--n", "1", option, value]) == 2
+    assert value in capsys.readouterr().err
