@@ -73,6 +73,10 @@ class Brakes(FileModel):
         description="master pressure over pedal force",
         source="assumed: 150 bar at 500 N",
     )
+    booster_knee_pressure: float = parameter(
+        "Pa", 8e6, low=0.0, high=4e7, description="master pressure up to which the booster helps fully", source=_ASSUMED
+    )
+    booster_slope_loss: float = _from_zero("share of the booster's gain lost above its knee", "1", 1.0)
     hydraulic_delay: float = parameter(
         "s",
         0.005,

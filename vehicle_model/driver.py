@@ -156,18 +156,35 @@ def _ramp(c: Any, start: float, elapsed: float) -> float:
 
 
 @njit(cache=True)
+def _boosted(c: Any, pedal_force: float) -> float:
+    """Master pressure of a pedal force; above its knee a booster that runs out of vacuum helps less."""
+    pressure = c.booster_gain * pedal_force
+    if c.booster_slope_loss != 0.0 and pressure > c.booster_knee_pressure:
+        pressure -= c.booster_slope_loss * (pressure - c.booster_knee_pressure)
+    return pressure
+
+
+@njit(cache=True)
+def _pedal_force(c: Any, pressure: float) -> float:
+    """Pedal force that makes a master pressure; that of the full booster where none does."""
+    if c.booster_slope_loss != 0.0 and pressure > c.booster_knee_pressure and c.booster_slope_loss < 1.0:
+        pressure = c.booster_knee_pressure + (pressure - c.booster_knee_pressure) / (1.0 - c.booster_slope_loss)
+    return pressure / c.booster_gain if c.booster_gain > 0.0 else 0.0
+
+
+@njit(cache=True)
 def _brake(c: Any, s: Any, time: float) -> None:
     if c.feet != BRAKE:
         s.pedal_force = _toward(s.pedal_force, 0.0, 0.0, _BRAKE_RELEASE_RATE * TIME_STEP_S)
-        s.master_pressure = c.booster_gain * s.pedal_force
+        s.master_pressure = _boosted(c, s.pedal_force)
         return
     value = _ramp(c, s.brake_start, time - s.feet_began)
     if c.brake_by_pressure == 1:
         s.master_pressure = value
-        s.pedal_force = value / c.booster_gain if c.booster_gain > 0.0 else 0.0
+        s.pedal_force = _pedal_force(c, value)
     else:
         s.pedal_force = value
-        s.master_pressure = c.booster_gain * value
+        s.master_pressure = _boosted(c, value)
 
 
 @njit(cache=True)

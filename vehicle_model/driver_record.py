@@ -35,6 +35,8 @@ COMMAND_RECORD = np.dtype(
         ("gears", "i8"),
         ("ratio", "f8", (MOST_GEARS + 1,)),
         ("booster_gain", "f8"),
+        ("booster_knee_pressure", "f8"),
+        ("booster_slope_loss", "f8"),
         ("initial_gear", "i8"),  # -1 is what suits the speed
         # the step
         ("phase_number", "f8"),

@@ -26,7 +26,12 @@ from vehicle_model.manoeuvre_file import (
 from vehicle_model.tyres.tyre_file import TirTyre
 from vehicle_model.vehicle_file import STANDARD_GRAVITY, VehicleFile
 
-BOOSTER_GAIN = "brakes.booster_gain"
+BOOSTER = {
+    "brakes.booster_gain": 1e6,
+    "brakes.booster_knee_pressure": 4e7,
+    "brakes.booster_slope_loss": 1.0,
+}
+"""Parameters that the driver owns, with their largest values; the smallest is 0."""
 _FEET = {
     "release": record.RELEASE,
     "accelerate": record.ACCELERATE,
@@ -119,20 +124,20 @@ class Manoeuvre:
 
     def names(self) -> tuple[str, ...]:
         """Dotted paths of the parameters that the driver owns."""
-        return (BOOSTER_GAIN,)
+        return tuple(BOOSTER)
 
     def get(self, path: str) -> float:
         """Value of a parameter of ``names()``; InputError if there is none of that path."""
-        if path != BOOSTER_GAIN:
-            raise unknown_name("parameter of the driver", path, (BOOSTER_GAIN,))
-        return float(self._command[0]["booster_gain"])
+        if path not in BOOSTER:
+            raise unknown_name("parameter of the driver", path, tuple(BOOSTER))
+        return float(self._command[0][path.removeprefix("brakes.")])
 
     def set(self, path: str, value: float) -> None:
         """Change a parameter of ``names()``; InputError if there is none of that path or the value is refused."""
         self.get(path)
-        if not 0.0 <= value <= 1e6:
-            raise InputError(f"{path} is out of range", found=f"{value:g}", allowed="0 to 1e+06 Pa/N")
-        self._command[0]["booster_gain"] = value
+        if not 0.0 <= value <= BOOSTER[path]:
+            raise InputError(f"{path} is out of range", found=f"{value:g}", allowed=f"0 to {BOOSTER[path]:g}")
+        self._command[0][path.removeprefix("brakes.")] = value
 
     def _fill_places(self) -> None:
         row = self._command[0]
@@ -153,7 +158,9 @@ class Manoeuvre:
         row["idle_speed"] = line.engine.idle_speed
         row["gears"] = len(line.gear_ratios)
         row["ratio"][1 : len(line.gear_ratios) + 1] = np.multiply(line.gear_ratios, line.final_drive)
-        row["booster_gain"] = vehicle.brakes.booster_gain
+        for path in BOOSTER:
+            name = path.removeprefix("brakes.")
+            row[name] = getattr(vehicle.brakes, name)
 
     def _check_gears(self, initial_gear: int | None) -> None:
         last = len(self._vehicle.driveline.gear_ratios)

@@ -243,6 +243,19 @@ def _tone_ring(vehicle: VehicleFile, deviation: Mapping[str, float]) -> Result:
     return {"sensors.wheel_speed.eccentricity": ring.eccentricity + max(map(abs, deviation.values()))}, []
 
 
+def _booster(vehicle: VehicleFile, deviation: Mapping[str, float]) -> Result:
+    brakes = vehicle.brakes
+    values = {
+        "gain": ("brakes.booster_gain", brakes.booster_gain * (1.0 + deviation.get("gain", 0.0))),
+        "slope_loss": (
+            "brakes.booster_slope_loss",
+            min(brakes.booster_slope_loss + deviation.get("slope_loss", 0.0), 1.0),
+        ),
+        "knee": ("brakes.booster_knee_pressure", max(brakes.booster_knee_pressure + deviation.get("knee", 0.0), 0.0)),
+    }
+    return dict(values[name] for name in deviation), []
+
+
 def _pressure_lag(vehicle: VehicleFile, deviation: Mapping[str, float]) -> Result:
     """The plant's pressure sensors delay; a lag of first order is a delay of its time constant at low frequencies."""
     return {"sensors.brake_pressure.delay": vehicle.sensors.brake_pressure.delay + deviation["time_constant"]}, []
@@ -262,6 +275,7 @@ LAWS: Mapping[str, Law] = {
     "wheel_brake_weak": _weak_brake,
     "disc_thickness_variation": _thickness_variation,
     "caliper_lag": _caliper_lag,
+    "booster_saturation": _booster,
     "engine_braking": _engine_braking,
     "driveline_drag": _driveline_drag,
     "wheel_inertia_reflected": _reflected_inertia,

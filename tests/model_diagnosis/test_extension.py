@@ -27,7 +27,9 @@ from vehicle_model.tyres.tyre_file import CurveTyre, MagicFormulaCurve
 from vehicle_model.vehicle_file import VehicleFile, load_vehicle, set_parameter
 
 FloatArray = NDArray[np.float64]
-OF_THE_CAR = [one for one in EFFECTS if is_of_the_car(one)]
+NO_PLACE = {"brake_knock_back"}
+"""What the plant does not have: its pads do not stand back, since its hydraulic unit knows no cornering."""
+OF_THE_CAR = [one for one in EFFECTS if is_of_the_car(one) and one.name not in NO_PLACE]
 NOT_THE_CARS = [one for one in EFFECTS if not is_of_the_car(one)]
 
 
@@ -78,6 +80,15 @@ def test_what_belongs_to_the_drive_changes_no_car(one: Effect) -> None:
     assert change.conditions
     assert not change.parameters
     assert not change.terms
+
+
+@pytest.mark.parametrize("name", sorted(NO_PLACE))
+def test_an_effect_without_a_place_in_the_plant_is_a_remark(name: str) -> None:
+    one = effect(name)
+    found = FoundEffect(one, {key: Interval(value, value, value) for key, value in _deviations(one).items()})
+    extensions, remarks = extensions_of(load_vehicle("ekf_car"), [found])
+    assert extensions == []
+    assert name in remarks[0]
 
 
 def test_neutral_deviations_change_nothing() -> None:

@@ -78,6 +78,18 @@ def test_booster_gain_can_change_on_line() -> None:
         drive.driver.get("brakes.front.pad_area")
 
 
+def test_a_booster_out_of_vacuum_helps_less_above_its_knee() -> None:
+    """Half of the gain lost above 80 bar: 400 N make 80 + (120 - 80)/2 = 100 bar, and 100 bar take 400 N."""
+    drive = brake("pedal_force: 400 N, ramp: 100 kN/s")
+    drive.driver.set("brakes.booster_slope_loss", 0.5)
+    drive.run(0.1)
+    assert drive["driver_master_pressure"] == pytest.approx(1e7)
+    asked = brake("master_pressure: 100 bar, ramp: 10000 bar/s")
+    asked.driver.set("brakes.booster_slope_loss", 0.5)
+    asked.run(0.1)
+    assert asked["driver_pedal_force"] == pytest.approx(400.0)
+
+
 @pytest.mark.parametrize("grade", [0.0, 0.04])
 def test_holds_a_speed(grade: float) -> None:
     drive = Drive("steps: [{name: hold, hold_speed: {speed: 80 km/h}}]", road=RoadFile(grade=grade), speed_m_s=80 / 3.6)
