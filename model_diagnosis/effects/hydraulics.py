@@ -140,8 +140,8 @@ HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
         "p = k (1 + g) F, less d of what lies above the knee 80 bar + p_k",
         (
             EffectParameter("gain", "1", -0.5, 0.5, 0.03, 0.12, "brakes.booster_gain"),
-            EffectParameter("slope_loss", "1", 0.0, 1.0, 0.0, 0.4, relative=False),
-            EffectParameter("knee", "Pa", -7e6, 1e7, 2e5, 2e6, relative=False),
+            EffectParameter("slope_loss", "1", 0.0, 1.0, 0.0, 0.4, "brakes.booster_slope_loss", relative=False),
+            EffectParameter("knee", "Pa", -7e6, 1e7, 2e5, 2e6, "brakes.booster_knee_pressure", relative=False),
         ),
         ("circuit_failure",),
         "full application of the pedal",

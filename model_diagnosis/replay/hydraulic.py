@@ -27,6 +27,8 @@ GAIN = 0.15
 """Gain of the observer on wheel pressures per 10 ms."""
 
 _KNEE_PA = 8e6
+"""Knee of a booster whose vehicle file has none."""
+
 _CORNERING_M_S2 = 4.0
 _PUMP_SAMPLES = 50
 _VALVES = ("inlet", "outlet")
@@ -100,6 +102,8 @@ class HydraulicReplay:
         numbers = vehicle.numbers("brakes") | vehicle.numbers("hydraulics")
         self._values = {parameter.path: numbers.get(parameter.path, parameter.default) for parameter in PARAMETERS}
         self._booster_gain = vehicle.brakes.booster_gain
+        self._knee = numbers.get("brakes.booster_knee_pressure", _KNEE_PA)
+        self._slope_loss = numbers.get("brakes.booster_slope_loss", 0.0)
 
     def master(self, deviations: Mapping[str, float], log: HydraulicLog) -> FloatArray:
         """Master pressure (n,) [Pa] by the pedal's force through the booster."""
@@ -109,10 +113,10 @@ class HydraulicReplay:
         lag = deviations.get("form_booster.lag", 0.0)
         if lag > 0.0:
             pressure = _lagged(pressure, lag)
-        loss = deviations.get("booster_saturation.slope_loss", 0.0)
+        loss = min(self._slope_loss + deviations.get("booster_saturation.slope_loss", 0.0), 1.0)
         if loss == 0.0:
             return pressure
-        knee = _KNEE_PA + deviations.get("booster_saturation.knee", 0.0)
+        knee = self._knee + deviations.get("booster_saturation.knee", 0.0)
         return pressure - loss * np.maximum(pressure - knee, 0.0)
 
     def wheels(

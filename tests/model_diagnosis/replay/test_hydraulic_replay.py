@@ -108,3 +108,17 @@ def test_pressure_sensor_scale_differs_from_pad_friction_beside_a_master_sensor(
     pressures = [model.signals(0).index(f"brake_pressure_{wheel}") for wheel in WHEELS]
     assert np.abs(shown[:, pressures, 0]).max() > 1e6
     assert np.abs(shown[:, pressures, 1]).max() == 0.0
+
+
+def test_booster_that_runs_out_of_vacuum_shows_in_the_master_pressure(car: VehicleFile, log: Manoeuvre) -> None:
+    """Above the knee a share of the slope is lost: p = k F - d (k F - p_k)."""
+    gain, knee, loss = car.brakes.booster_gain, 5e6, 0.4
+    full = gain * log.channels["pedal_force"]
+    channels = dict(log.channels) | {"master_pressure": full - loss * np.maximum(full - knee, 0.0)}
+    model = Replay(car, [replace(log, channels=channels)])
+    theta = np.zeros(len(model.columns))
+    assert _error_bar(model, theta, "master_pressure") > 3.0
+    theta[model.columns.index("booster_saturation.slope_loss")] = loss
+    nominal = model.physical("booster_saturation.knee", 0.0)[2]
+    theta[model.columns.index("booster_saturation.knee")] = knee - nominal
+    assert _error_bar(model, theta, "master_pressure") < 1e-9
