@@ -160,7 +160,7 @@ def test_schemas_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 
 def test_vehicle_list(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["vehicle", "list", "ekf_car", "--filter", "booster", "--json"]) == 0
+    assert main(["vehicle", "list", "ekf_car", "--filter", "booster_gain", "--json"]) == 0
     (entry,) = json.loads(capsys.readouterr().out)
     assert entry["path"] == "brakes.booster_gain"
     assert (entry["unit"], entry["value"]) == ("Pa/N", 3e4)
