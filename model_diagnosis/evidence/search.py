@@ -3,7 +3,7 @@
 Source: model discrepancy anchor, sections 3.5, 3.6 and 4.3.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,6 +18,9 @@ FloatArray = NDArray[np.float64]
 FROM_BASE, FROM_SATURATED, FROM_GRID = 3, 2, 3
 GRID = (-1.5, -0.75, 0.75, 1.5)
 CORRELATED_NUISANCES = 12
+RESTART_GAIN = 4.0
+"""Cost that a restart of "nothing more" has to gain for everything to be fitted once more from there."""
+
 EFFECTS_ON_GRID_FIRST, EFFECTS_ON_GRID = 20, 8
 """Effects, by linear evidence, whose grid is replayed in the first step and in later ones."""
 
@@ -147,12 +150,21 @@ class Search:
         return [Candidate(self.hypotheses[number], tuple(points)) for number, points in starts.items()]
 
     def refit(self, stage: Stage, candidates: Sequence[Candidate]) -> Stage:
-        """Refit the candidates, restart "nothing more" from the best one's solution, and score all against it."""
+        """Refit the candidates, restart "nothing more" from the best one's solution, and score all against it.
+
+        Where the restart finds a better optimum, the candidates start from there too: all get the same chance.
+        """
         fits = {candidate.hypothesis: self._refit_one(stage, candidate) for candidate in candidates}
         if not fits:
             return stage
-        winner = min(fits.values(), key=lambda one: one[0].cost)
-        stage = self._restart(stage, winner[0], winner[2])
+        if self._restart(stage, fits):
+            quadratic = self._quadratic(stage.linearisation, stage.nothing_more.theta)
+            stage.linear = linear_evidence(self.problem, quadratic, self.hypotheses, stage.accepted)
+            for hypothesis, known in fits.items():
+                start = self._linear_start(quadratic, stage, self.hypotheses.index(hypothesis))
+                again = self._refit_one(stage, Candidate(hypothesis, (start, known[0].theta)))
+                fits[hypothesis] = min(known, again, key=lambda one: one[0].cost)
+            self._restart(stage, fits)
         stage.refits = [
             Refit(hypothesis, fit, self._score(stage, hypothesis, fit, parts), parts)
             for hypothesis, (fit, parts, _) in fits.items()
@@ -173,14 +185,23 @@ class Search:
         fit = self.fit_set(chosen, linearisation, best.theta)
         return fit, self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta), columns
 
-    def _restart(self, stage: Stage, winner: Fit, columns: Sequence[int]) -> Stage:
-        """Fit "nothing more" from the winner's solution too: a better optimum found only there is no evidence."""
+    def _restart(self, stage: Stage, fits: Mapping[Hypothesis, tuple[Fit, list[Quadratic], list[int]]]) -> bool:
+        """Fit "nothing more" from the winner's solution too: a better optimum found only there is no evidence.
+
+        True where it is better by so much that the sensitivities were taken anew at it.
+        """
+        winner, _, columns = min(fits.values(), key=lambda one: one[0].cost)
         fresh = self.problem.refreshed(stage.linearisation, winner.theta, columns)
         again = self.fit_set(stage.accepted, fresh, winner.theta)
         again = min(again, self.fit_set(stage.accepted, stage.linearisation, again.theta), key=_cost)
-        if again.cost < stage.nothing_more.cost:
+        gained = stage.nothing_more.cost - again.cost
+        if gained > 0.0:
             stage.nothing_more = again
-        return stage
+        if gained < RESTART_GAIN:
+            return False
+        stage.linearisation = self.problem.linearise(again.theta)
+        stage.nothing_more = min(again, self.fit_set(stage.accepted, stage.linearisation, again.theta), key=_cost)
+        return True
 
     def _score(self, stage: Stage, hypothesis: Hypothesis, fit: Fit, parts: Sequence[Quadratic]) -> float:
         """Laplace log Bayes factor; both curvatures at the hypothesis' own solution, so only its columns count."""

@@ -84,7 +84,7 @@ class Selector:
             stages.append(stage)
             if step == 0:
                 nothing = stage.nothing_more
-            fit = stage.nothing_more
+            fit, linearisation = stage.nothing_more, stage.linearisation
             best = self._acceptable(stage)
             left = stage.best.evidence if stage.best else -np.inf
             if best is None or step == MAXIMUM_EFFECTS:
