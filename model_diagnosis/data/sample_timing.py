@@ -110,12 +110,12 @@ def _stamps(time: FloatArray, label: str) -> list[DataFault]:
     regular = steps[steps < 1.5 * period]
     spread = 0.7413 * float(np.subtract(*np.percentile(regular, [75, 25])))
     # a late frame is followed by an early one: over some steps jitter averages out, losses do not
-    over = 5 if spread < 0.1 * period else 25
-    mean = (
-        float(np.percentile(np.convolve(steps, np.full(over, 1.0 / over), "valid"), 25))
-        if len(steps) > over
-        else period
-    )
+    over = 5 if spread < 0.2 * period else 25
+    mean = period
+    if len(steps) > over:
+        # the quartile below which no frame is lost, and what jitter takes from it
+        quartile = float(np.percentile(np.convolve(steps, np.full(over, 1.0 / over), "valid"), 25))
+        mean = quartile + 0.674 * spread / over
     lost = max(0.0, 1.0 - len(steps) * mean / float(np.sum(steps)))
     longest = float(steps.max())
     faults = []

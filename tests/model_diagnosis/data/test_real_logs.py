@@ -1,0 +1,77 @@
+"""Real logs through the shipped maps: the traps that their descriptions list are found by the checks themselves."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from model_diagnosis.data import check_data, read_manoeuvres
+from signals.measured.channel_map import load_channel_map
+from vehicle_model.vehicle_file import load_vehicle
+
+ROOT = Path(__file__).parents[3]
+SHARED = Path(os.environ.get("BENCH_SHARED_DATA", ROOT.parent / "shared" / "data"))
+SHIPPED = ROOT / "scenarios" / "diagnosis"
+
+
+def _checked(name, pattern="*.csv.gz", channel_map="channels.yaml", logs=None):
+    if not (SHARED / name).is_dir():
+        pytest.skip(f"no reference data in {SHARED / name}")
+    vehicle = load_vehicle(SHIPPED / name / "vehicle.yaml")
+    channels = load_channel_map(SHIPPED / name / channel_map)
+    manoeuvres = read_manoeuvres(logs or sorted((SHARED / name).glob(pattern)), channels, vehicle)
+    return manoeuvres, check_data(manoeuvres, vehicle)[0]
+
+
+def _kinds(faults):
+    return {(fault.kind, fault.channel) for fault in faults}
+
+
+def test_av21_acceleration_is_low_passed_and_its_brake_pressure_a_command():
+    manoeuvres, faults = _checked("iac-av21")
+    assert sum(m.duration_s for m in manoeuvres) > 300.0
+    assert ("low_pass_channel", "longitudinal_acceleration") in _kinds(faults)
+    slow = next(f for f in faults if f.kind == "low_pass_channel")
+    assert slow.value > 1.0  # described as late by about 2 s
+    assert ("command_not_measurement", "master_pressure") in _kinds(faults)
+    assert not any(kind in ("channel_unit", "channel_sign", "channel_swap") for kind, _ in _kinds(faults))
+
+
+def test_250lm_filtered_yaw_rate_is_in_degrees_and_the_plain_one_is_not():
+    _, plain = _checked("revs-250lm-2014")
+    _, filtered = _checked("revs-250lm-2014", channel_map="channels_filtered.yaml")
+    assert not any(kind == "channel_unit" for kind, _ in _kinds(plain))
+    assert ("channel_unit", "yaw_rate") in _kinds(filtered)
+    assert next(f.value for f in filtered if f.kind == "channel_unit") == pytest.approx(57.29578, rel=1e-6)
+
+
+def test_rig_loads_are_counted_upwards():
+    manoeuvres, faults = _checked("tyre-rig-ttc-deid")
+    assert ("channel_sign", "vertical_load_fl") in _kinds(faults)
+    assert len(manoeuvres) > 20
+
+
+def test_simulated_slaloms_have_no_data_fault():
+    manoeuvres, faults = _checked("carmaker-bosch", "*.CSV.gz")
+    assert len(manoeuvres) >= 3
+    assert _kinds(faults) == set()
+
+
+def test_three_loggers_of_the_rav4_become_one_drive(tmp_path):
+    archive = SHARED / "comma2k19-rav4" / "segment40.npz"
+    if not archive.is_file():
+        pytest.skip(f"no reference data in {archive}")
+    converter = SHIPPED / "comma2k19-rav4" / "convert.py"
+    subprocess.run([sys.executable, str(converter), str(archive), str(tmp_path)], check=True)
+    logs = [tmp_path / "can.log", tmp_path / "steering.csv", tmp_path / "pose.csv"]
+    manoeuvres, faults = _checked("comma2k19-rav4", logs=logs)
+    origins = manoeuvres[0].origins
+    assert origins["wheel_speed_fl"] == "can.log:WHEEL_SPEEDS"
+    assert origins["yaw_rate"] == "can.log:KINEMATICS"
+    assert origins["speed"] == "pose.csv"
+    assert sum(m.duration_s for m in manoeuvres) > 50.0
+    # 20 Hz poses, 83 Hz frames: only the pose's own samples count
+    assert manoeuvres[0].weight("speed").mean() == pytest.approx(0.2, abs=0.05)
+    assert not any(kind in ("channel_unit", "channel_sign", "channel_swap") for kind, _ in _kinds(faults))
