@@ -11,10 +11,7 @@ from estimators.attitude_forms import (
     ENTRIES,
     LATERAL_SPEED,
     PHI,
-    ROW_ROLL,
     ROW_SPEED,
-    ROW_Y,
-    ROW_Z,
     SPEED,
     THETA,
 )
@@ -25,13 +22,11 @@ from estimators.attitude_memory import (
     BEST,
     CAR,
     CENTRE,
-    CHANNELS,
     DELAY,
     ELEVATION_POLE,
     EXTERNAL,
     FILTERING,
     FRICTION_SHARE,
-    GRAVITY,
     HELD,
     INNOVATION,
     LARGEST_CENTRE,
@@ -54,28 +49,19 @@ from estimators.attitude_memory import (
     SUSPECT,
     SUSPICIOUS_STEPS,
     SUSPICIOUS_WEIGHT,
-    TARGET,
     TICKS,
     VERDICT,
     VIRTUAL,
     Memory,
 )
+from estimators.attitude_sensing import ABS_AGE, ABS_SOURCE, SPEED_CHANNEL, measured_speed, sense, take_inputs
 from estimators.attitude_settings import ATTITUDE_OUTPUTS
 from estimators.attitude_two_wheeler import (
-    INPUTS,
     L_ELEVATION,
-    L_ELEVATION_RATE,
     L_FRONT,
     L_REAR,
     L_SLOPE,
     M_FX,
-    U_ELEVATION,
-    U_ELEVATION_RATE,
-    U_ROLL,
-    U_ROLL_RISE,
-    U_STEER,
-    U_X,
-    U_Y,
     follow_springs,
     mechanics,
     road_slope,
@@ -94,7 +80,7 @@ from estimators.attitude_weights import (
     smooth,
     weigh,
 )
-from estimators.inputs import DATA_AGE, INPUTS_LOST, VALUE, accept_inputs
+from estimators.inputs import DATA_AGE, INPUTS_LOST, accept_inputs
 from estimators.kalman.covariance import FloatArray, IntArray, all_finite
 
 _POSITION = {output.name: position for position, output in enumerate(ATTITUDE_OUTPUTS)}
@@ -109,90 +95,8 @@ _OUT_SUSPICIOUS, _OUT_FRONT, _OUT_REAR = (
 )
 _OUT_ELEVATION, _OUT_SLOPE = _POSITION["elevation_angle"], _POSITION["road_slope"]
 _OUT_INNOVATION = _POSITION["innovation"]
-_SPEED_CHANNEL, _ABS_SOURCE, _ABS_AGE = 6, CHANNELS, CHANNELS + 1
-_STEER_SOURCE = 6
 _MOST_REPORTED = 1e12
 """Bound of what is reported of a filter that is about to break down."""
-
-
-@njit(cache=True)
-def measured_speed(a: Memory, guard: FloatArray) -> float:
-    """Mean rim speed of the chosen wheels, or the speed from outside [m/s]."""
-    first = a.sources[_STEER_SOURCE]
-    if a.tuning[EXTERNAL] > 0.0:
-        return guard[first, VALUE]
-    total, n = 0.0, a.radii.shape[0]
-    for i in range(n):
-        total += a.radii[i] * guard[first + i, VALUE] / n
-    return total
-
-
-@njit(cache=True)
-def _pass(memory: FloatArray, coefficients: FloatArray, value: float) -> None:
-    """Second-order low-pass of a channel, transposed direct form."""
-    out = coefficients[0] * value + memory[0]
-    memory[0] = coefficients[1] * value - coefficients[3] * out + memory[1]
-    memory[1] = coefficients[2] * value - coefficients[4] * out
-    memory[2] = out
-
-
-@njit(cache=True)
-def _settle(memory: FloatArray, coefficients: FloatArray, value: float) -> None:
-    """State of a low-pass that has seen a constant for ever."""
-    memory[2] = value
-    memory[1] = (coefficients[2] - coefficients[4]) * value
-    memory[0] = (coefficients[1] - coefficients[3]) * value + memory[1]
-
-
-@njit(cache=True)
-def _sense(a: Memory, guard: FloatArray) -> None:
-    """Low-passes 31 to 36, and that of the speed if there is one."""
-    fresh = a.status[FILTERING] == 0.0
-    for channel in range(CHANNELS):
-        if channel == _SPEED_CHANNEL:
-            value = measured_speed(a, guard)
-        else:
-            source = a.sources[channel]
-            value = guard[source, VALUE] if source >= 0 else 0.0
-        row = 1 if channel == _SPEED_CHANNEL else 0
-        if fresh:
-            _settle(a.filtered[channel], a.coefficients[row], value)
-        else:
-            _pass(a.filtered[channel], a.coefficients[row], value)
-    a.status[FILTERING] += 1.0
-
-
-@njit(cache=True)
-def _along_axes(a: Memory, group: int, axis: int) -> float:
-    """Rate (group 0) or specific force (group 1) about or along an axis of the vehicle."""
-    total = 0.0
-    for i in range(3):
-        value = a.filtered[3 * group + i, 2]
-        if group == 1 and i == 2:
-            value += a.tuning[GRAVITY]
-        total += a.matrices[group, axis, i] * value
-    return total
-
-
-@njit(cache=True)
-def _take_inputs(a: Memory, guard: FloatArray, differentiate: bool) -> None:
-    """Inputs and measurement of a step; differentiators 41 to 43."""
-    now, before = a.inputs[0], a.inputs[1]
-    before[:] = now
-    for axis in range(3):
-        now[U_ROLL + axis] = _along_axes(a, 0, axis)
-        rise = (now[U_ROLL + axis] - before[U_ROLL + axis]) / a.tuning[PERIOD]
-        now[U_ROLL_RISE + axis] = rise if differentiate else 0.0
-    now[U_X], now[U_Y] = _along_axes(a, 1, 0), _along_axes(a, 1, 1)
-    now[U_ELEVATION], now[U_ELEVATION_RATE] = a.loads[L_ELEVATION], a.loads[L_ELEVATION_RATE]
-    if a.tuning[CAR] > 0.0:
-        now[U_STEER] = guard[a.sources[_STEER_SOURCE] - 1, VALUE]
-    # a first difference is the derivative half a step ago: there the prediction takes its inputs
-    for place in range(INPUTS):
-        rises = U_ROLL_RISE <= place < U_ROLL_RISE + 3
-        a.inputs[2, place] = now[place] if rises else 0.5 * (now[place] + before[place])
-    a.measured[ROW_Y], a.measured[ROW_Z] = now[U_Y], _along_axes(a, 1, 2)
-    a.measured[ROW_SPEED], a.measured[ROW_ROLL] = a.filtered[_SPEED_CHANNEL, 2], a.tuning[TARGET]
 
 
 @njit(cache=True)
@@ -208,7 +112,7 @@ def _begin(a: Memory, keeps: bool) -> None:
         for entry in range(ENTRIES):
             if _moves(entry) or not keeps:
                 x[entry] = 0.0
-        x[SPEED] = a.filtered[_SPEED_CHANNEL, 2]
+        x[SPEED] = a.filtered[SPEED_CHANNEL, 2]
         for row in range(a.entries.shape[0]):
             for column in range(a.entries.shape[0]):
                 if not keeps or _moves(a.entries[row]) or _moves(a.entries[column]):
@@ -281,7 +185,7 @@ def _close_loop(a: Memory, bike: Any) -> None:
 @njit(cache=True)
 def _step(a: Memory, bike: Any, car: Any, guard: FloatArray, first: bool) -> bool:
     """One cycle of 3.6; False where a filter broke down."""
-    _take_inputs(a, guard, not first)
+    take_inputs(a, guard, not first)
     virtual = int(a.tuning[VIRTUAL])
     squares = 0.0
     for i in range(a.state.shape[0]):
@@ -377,10 +281,10 @@ def attitude_tick(
         _report(a)
         _write(a, guard, out)
         return
-    _sense(a, guard)
+    sense(a, guard)
     status[ABS] = 0.0
-    if a.sources[_ABS_SOURCE] >= 0:
-        age, reported = ages[a.sources[_ABS_AGE]], inputs[a.sources[_ABS_SOURCE]]
+    if a.sources[ABS_SOURCE] >= 0:
+        age, reported = ages[a.sources[ABS_AGE]], inputs[a.sources[ABS_SOURCE]]
         status[ABS] = 1.0 if 0.0 <= age <= t[STALE_AGE] and 0.5 < reported <= 1.0 else 0.0
     # the first sample, on which the low-passes start, is as noisy as any
     if status[FILTERING] < t[SETTLING_TICKS] or measured_speed(a, guard) < t[MINIMUM_SPEED]:

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 
 from estimators import create
-from vehicle_model.reference.two_wheeler import MILLI_G, SAMPLE_S, Ride, random_ride
+from estimators.attitude_bank import AttitudeFilter
+from estimators.attitude_settings import SENSORS
+from vehicle_model.reference.two_wheeler import MILLI_G, SAMPLE_S, Ride, measure, random_ride
 from vehicle_model.vehicle_file import VehicleFile, load_vehicle
 
 FloatArray = NDArray[np.float64]
@@ -125,3 +127,39 @@ def noise(y: float, z: float, speed: float, balance: float | None = None) -> dic
 def mean_of(values: Sequence[float]) -> float:
     """Mean over the seeds."""
     return float(np.mean(values))
+
+
+TUNED = 1
+"""Seed of the rides here: these tests are about how the filters are built, not about how well they do."""
+
+
+def built(settings: dict[str, Any], name: str = "attitude_bank") -> AttitudeFilter:
+    found = create(name, numbers(), settings, SAMPLE_S)
+    assert isinstance(found, AttitudeFilter)
+    return found
+
+
+def still(seconds: float = 4.0, speed: float = 15.0, **values: Any) -> dict[str, np.ndarray]:
+    """Signals of an upright ride straight on without noise."""
+    n = round(seconds / SAMPLE_S)
+    columns = {name: np.zeros(n) for name in (*SENSORS, "abs_active")}
+    columns |= {f"wheel_speed_{wheel}": np.full(n, speed / 0.31) for wheel in ("fl", "fr", "rl", "rr")}
+    return columns | values
+
+
+def ridden(seconds: float = 40.0, sloped: bool = True, **wrong: float) -> dict[str, np.ndarray]:
+    """Signals of a random ride."""
+    source = ride(TUNED, sloped, seconds)
+    columns = measure(source, TUNED, offsets=offsets(**wrong), onset_s=10.0)
+    return columns | {"abs_active": np.zeros(len(source.time))}
+
+
+def replayed(columns: dict[str, np.ndarray], settings: dict[str, Any], name: str = "attitude_bank") -> AttitudeFilter:
+    found = built(settings, name)
+    found.replay(columns)
+    return found
+
+
+def outputs(filter_: AttitudeFilter, columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    results = filter_.replay(columns)
+    return {signal.name.partition(".")[2]: results[:, k] for k, signal in enumerate(filter_.outputs)}
