@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hidden_effects.car import GRAVITY_M_S2, Numbers, as_record, nominal_car
-from hidden_effects.chassis import pitch_rates
+from hidden_effects.chassis import pitch_rates, sprung_inertias
 from hidden_effects.manoeuvres import HELD_OUT, SIX, Script, nothing, ramps
 from hidden_effects.outputs import INDEX
 from hidden_effects.simulator import simulate
@@ -101,8 +101,10 @@ def test_pitch_rings_with_its_own_frequency() -> None:
     crossings = np.flatnonzero((pitch_rate[:-1] < 0.0) & (pitch_rate[1:] >= 0.0))
     period = float(np.mean(np.diff(crossings))) * 1e-3
     stiffness, damping = pitch_rates(as_record(car))
-    free = (stiffness - 1296.0 * GRAVITY_M_S2 * 0.535) / 1520.0
-    expected = 2.0 * math.pi / math.sqrt(free - (damping / (2.0 * 1520.0)) ** 2)
+    _, inertia = sprung_inertias(as_record(car))
+    assert inertia == pytest.approx(1520.0 - 38.0 * (2.0 * 1.25**2 + 2.0 * 1.32**2 + 4.0 * (0.535 - 0.278) ** 2))
+    free = (stiffness - 1296.0 * GRAVITY_M_S2 * 0.535) / inertia
+    expected = 2.0 * math.pi / math.sqrt(free - (damping / (2.0 * inertia)) ** 2)
     assert period == pytest.approx(expected, rel=0.01)
 
 

@@ -16,10 +16,10 @@ FORM_DIFFERENCES = (
     "step 0.5 ms; chassis by the two-step Adams-Bashforth rule, wheel spin and tyre force staggered (symplectic)",
     "tyre transient on the force, exponentially exact, instead of a lag of the slip",
     "pitch and roll of second order on springs and dampers; load transfer is what springs, dampers and links carry",
-    "no heave, no unsprung masses, dampers with one rate for both directions, wheels stand upright",
+    "no heave, wheels without travel of their own, dampers with one rate for both directions, wheels stand upright",
     "four-channel ABS logic of its own with a 10 ms cycle and a reference speed of its own",
     "brake discs warmed by the energy that they take, cooled by Newton's law",
-    "valves open and close with a lag of their own; modulated pressures by flow over compliance",
+    "booster with a lag of 20 ms, valves with 2 ms; the control unit decides half a cycle beside the sampled instants",
     "steering compliance from a trail that falls as a cosine with the slip angle",
     "second generator: exponential (Burckhardt) tyre curves on a friction circle in place of the arctangent ones",
 )

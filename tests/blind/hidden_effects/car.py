@@ -53,6 +53,7 @@ DATA_SHEET: dict[str, Number] = {
     "yaw_inertia": Number(1817.473, 0.03, paths=("body.yaw_inertia",)),
     "pitch_inertia": Number(1520.0, 0.03, paths=("body.pitch_inertia",)),
     "roll_inertia": Number(392.85, 0.03, paths=("body.roll_inertia",)),
+    "unsprung_mass": Number(38.0),
     "spring_rate": Number((20e3, 22e3), 0.03, paths=_axles("suspension.*.spring_rate")),
     "damper_rate": Number(
         (1600.0, 1700.0),

@@ -34,6 +34,16 @@ def roll_rates(car: Any, axle: int) -> tuple[float, float]:
 
 
 @njit(cache=True)
+def sprung_inertias(car: Any) -> tuple[float, float]:
+    """Inertia of the body on its springs in roll and pitch [kg m^2]: the whole car's less the wheels' (Steiner)."""
+    below = (car.cg_height - car.radius[0]) ** 2
+    rear = car.wheelbase - car.cg_to_front
+    across = 4.0 * car.unsprung_mass * (0.25 * car.track * car.track + below)
+    along = 2.0 * car.unsprung_mass * (car.cg_to_front * car.cg_to_front + rear * rear + 2.0 * below)
+    return car.roll_inertia - across, car.pitch_inertia - along
+
+
+@njit(cache=True)
 def wheel_place(car: Any, i: int) -> tuple[float, float]:
     """Place (x, y) [m] of a contact patch in the car."""
     x = car.cg_to_front if i < 2 else car.cg_to_front - car.wheelbase
@@ -90,19 +100,20 @@ def derivatives(
     rate[VX] = along - GRAVITY_M_S2 * car.grade + state[VY] * state[YAW_RATE]
     rate[VY] = across - GRAVITY_M_S2 * car.bank - state[VX] * state[YAW_RATE]
     rate[YAW_RATE] = (yaw + moment) / car.yaw_inertia
+    roll_inertia, pitch_inertia = sprung_inertias(car)
     stiffness, damping = pitch_rates(car)
     weight_moment = car.mass * GRAVITY_M_S2 * car.cg_height
     links = -(force_x[0] + force_x[1]) * car.support_tangent[0] - (force_x[2] + force_x[3]) * car.support_tangent[1]
     pitch = -car.cg_height * sum_x - stiffness * state[PITCH] - damping * state[PITCH_RATE]
     rate[PITCH] = state[PITCH_RATE]
-    rate[PITCH_RATE] = (pitch + weight_moment * state[PITCH] - car.wheelbase * links) / car.pitch_inertia
+    rate[PITCH_RATE] = (pitch + weight_moment * state[PITCH] - car.wheelbase * links) / pitch_inertia
     roll = car.cg_height * sum_y + weight_moment * state[ROLL]
     for axle in range(2):
         k, c = roll_rates(car, axle)
         roll -= k * state[ROLL] + c * state[ROLL_RATE]
         roll -= (force_y[2 * axle] + force_y[2 * axle + 1]) * car.roll_centre[axle]
     rate[ROLL] = state[ROLL_RATE]
-    rate[ROLL_RATE] = roll / car.roll_inertia
+    rate[ROLL_RATE] = roll / roll_inertia
     sin_pitch, sin_roll = math.sin(state[PITCH]), math.sin(state[ROLL])
     return along - GRAVITY_M_S2 * sin_pitch, across + GRAVITY_M_S2 * sin_roll
 

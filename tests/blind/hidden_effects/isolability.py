@@ -116,7 +116,7 @@ def effect_column(effect: HiddenEffect, place: int, point: Point, like: FloatArr
     step = _STEP if effect.relative else _STEP * effect.signs[-1]
     change = _stepped(effect, place, point, step)
     if like is not None and change @ change > 0.0:
-        step *= np.copysign(np.sqrt(like @ like / (change @ change)), like @ change)
+        step *= float(np.copysign(np.sqrt(like @ like / (change @ change)), like @ change))
         change = _stepped(effect, place, point, step)
     return change / step
 
