@@ -27,6 +27,8 @@ LEAST_SCATTER = 0.25
 """Share of the stated scatter that always stays: a fit knows its own noise, not what the model leaves out."""
 FAR_OFF = 3.0
 INTERVAL_STDS = 1.645
+FAILURES = frozenset({"circuit_failure"})
+"""No properties of a healthy car, whatever the fit says of them."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,8 @@ def fit_vehicle(
     for column, parameter in enumerate(replay.parameters):
         effect, stated = replay.effects[replay.owner[column]], parameter.nuisance_std
         informed = stated > 0.0 and left[column] <= INFORMED * stated
-        if informed and parameter.vehicle_path and is_of_the_car(effect):
+        healthy = not effect.discrete and effect.name not in FAILURES
+        if informed and healthy and parameter.vehicle_path and is_of_the_car(effect):
             open_std = max(float(left[column]), LEAST_SCATTER * stated)
             calibrated.append(_calibrated(vehicle, replay, column, float(theta[column]), open_std, stated))
     calibrated.sort(key=lambda one: -abs(one.scatters_off))
