@@ -26,9 +26,10 @@ _SHORTEST_S = {AX_WHEELS.name: 0.3, AX_SPEED.name: 0.08, AY_YAW.name: 0.1, YAW_W
 """Time constants that the car itself makes between the sides: slip for ax and wheels, side slip for ay and yaw rate."""
 _SHORTEST_REPLAYED_S = 0.06
 _SHARE_OF_TWIN = 0.35
-_SHARE_OF_REPLAY = 0.5
+_SHARE_OF_REPLAY = 0.6
+_SHARE_OF_SPEED = 0.3
 _WORST_FIT = 0.3
-_WELL_EXPLAINED = 0.02
+_WELL_EXPLAINED = 0.03
 """Share of a channel's power that a delay may leave unexplained without any further question."""
 _GAIN = 20.0
 _INDEPENDENT_PER_S = 2.0
@@ -88,7 +89,7 @@ def _fit(pair: _Pair) -> tuple[float, float]:
         return 0.0, 0.0
     delayed = (list(pair.plain), [smoothed(p, float(_TIME_CONSTANTS_S[k])) for p in pair.plain])
     unexplained = min(_unexplained(pair, plain) for plain in delayed)
-    if share > pair.share * unexplained:
+    if unexplained < _WELL_EXPLAINED or share > pair.share * unexplained:
         return 0.0, 0.0
     seconds = SAMPLE_TIME_S * sum(float(v.sum()) for v in pair.valid)
     gain = 0.5 * _INDEPENDENT_PER_S * seconds * float(np.log(unexplained / share))
@@ -121,7 +122,8 @@ def _pairs(
         predicted = [change(r.channels[channel]) for _, r in both]
         valid = [reached(m, channel) for m, _ in both]
         band_hz = _SLOW_BAND_HZ if channel == "speed" else _BAND_HZ
-        return [_Pair(measured, predicted, valid, _SHORTEST_REPLAYED_S, _SHARE_OF_REPLAY, band_hz)]
+        share = _SHARE_OF_SPEED if channel == "speed" else _SHARE_OF_REPLAY
+        return [_Pair(measured, predicted, valid, _SHORTEST_REPLAYED_S, share, band_hz)]
     found = []
     for twin in twins_of(manoeuvres, geometry):
         if twin.kind.name not in _SHORTEST_S:

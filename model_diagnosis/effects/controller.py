@@ -1,7 +1,7 @@
 """Effects of the control unit's own settings.
 
-With measured pressures or valve commands as inputs the controller cannot matter, so the replay has no column for them;
-they show in when the valves move, which ``model_diagnosis.data.controller_events`` reads from the log.
+With measured pressures or valve commands as inputs the controller cannot matter, so the replay has no column for them:
+a replay cannot tell them, only a closed loop with the control unit can.
 """
 
 from model_diagnosis.effects.effect import Application, Effect, EffectParameter, Group
