@@ -78,7 +78,8 @@ def causes(search: Search, selection: Selection, alike: Sequence[LookAlikes], ph
             remarks=[*_remarks(agreement, accepted, names), *_alike(other, problem.replay)],
         )
         found.append(CauseDetail(cause, accepted, other, agreement, held_out))
-    return sorted(found, key=lambda one: (-round(one.cause.probability, 3), -one.cause.evidence))
+    # a cause that shares its probability with a look-alike is no less certain for that
+    return sorted(found, key=lambda one: (-round(sum(one.cause.group_probabilities.values()), 2), -one.cause.evidence))
 
 
 def _estimate(
