@@ -108,10 +108,10 @@ def test_expected_evidence_of_a_shift_within_the_scatter_is_bounded_by_its_prior
 
 
 def test_theory_finds_what_scatter_alone_limits_and_what_no_manoeuvre_excites() -> None:
-    """A sensor far better than its scatter is limited by that: sqrt(2 * 8) scatters; cold brakes cannot fade."""
-    point = nominal_point(scripts=(SIX[3],))
+    """A sensor error that nothing else looks like is limited by its scatter: sqrt(2 * 8); cold brakes cannot fade."""
+    point = nominal_point(scripts=(SIX[1],))
     nuisance = scatter_columns(point)
-    gyro = next(one for one in EFFECTS if one.name == "gyro_offset")
-    assert 4.0 < detection_limit(gyro, point, nuisance) < 5.0
+    ring = next(one for one in EFFECTS if one.name == "tone_ring_error")
+    assert detection_limit(ring, point, nuisance) == pytest.approx(4.0, abs=0.1)
     fade = next(one for one in UNEXCITED if one.name == "brake_pad_fade")
     assert detection_limit(fade, point, nuisance) > 1e3
