@@ -18,7 +18,7 @@ HEAD = """# Sizes from which effects are seen
 Made by `python docs/generate_challenge.py`. Sizes are in nominal scatters. *Theory*: linear test on the generator's own
 model in the six shipped manoeuvres, evidence of 8 needed, form errors counted as half of each sensor's noise correlated
 over 0.2 s ([challenge.md](challenge.md)). Where only its scatter hides an effect the limit is √(2·8) = 4.0 scatters.
-A steering linkage that is 55 % softer yields 2.2 times as much, so its limit in small steps (theory) is above what is drawn.
+A steering linkage 55 % softer yields 2.2 times as much: its limit in small steps lies above the sizes that are drawn.
 *Measured*: smallest size named (alone or in a justified group) and largest not named, over the scored cases.
 
 | Effect | One scatter | Theory | Drawn from … to | Smallest named | Largest not named | Cases |
