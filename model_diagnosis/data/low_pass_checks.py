@@ -28,8 +28,9 @@ _SHORTEST_REPLAYED_S = 0.06
 _SHARE_OF_TWIN = 0.35
 _SHARE_OF_REPLAY = 0.6
 _SHARE_OF_SPEED = 0.3
+_LEAST_OF_REPLAY = 0.03
 _WORST_FIT = 0.3
-_WELL_EXPLAINED = 0.03
+_WELL_EXPLAINED = 0.02
 """Share of a channel's power that a delay may leave unexplained without any further question."""
 _GAIN = 20.0
 _INDEPENDENT_PER_S = 2.0
@@ -44,6 +45,7 @@ class _Pair:
     ----------
     shortest_s : time constants below are the car's own
     share : of what a delay leaves unexplained, that a filter may leave to be named
+    least : share of the power that a delay must leave unexplained
     """
 
     filtered: Sequence[FloatArray]
@@ -52,6 +54,7 @@ class _Pair:
     shortest_s: float
     share: float
     band_hz: tuple[float, float] = _BAND_HZ
+    least: float = 0.0
 
 
 def first_order(values: FloatArray, time_constant_s: float) -> FloatArray:
@@ -89,7 +92,7 @@ def _fit(pair: _Pair) -> tuple[float, float]:
         return 0.0, 0.0
     delayed = (list(pair.plain), [smoothed(p, float(_TIME_CONSTANTS_S[k])) for p in pair.plain])
     unexplained = min(_unexplained(pair, plain) for plain in delayed)
-    if unexplained < _WELL_EXPLAINED or share > pair.share * unexplained:
+    if unexplained < pair.least or share > pair.share * unexplained:
         return 0.0, 0.0
     seconds = SAMPLE_TIME_S * sum(float(v.sum()) for v in pair.valid)
     gain = 0.5 * _INDEPENDENT_PER_S * seconds * float(np.log(unexplained / share))
@@ -123,7 +126,7 @@ def _pairs(
         valid = [reached(m, channel) for m, _ in both]
         band_hz = _SLOW_BAND_HZ if channel == "speed" else _BAND_HZ
         share = _SHARE_OF_SPEED if channel == "speed" else _SHARE_OF_REPLAY
-        return [_Pair(measured, predicted, valid, _SHORTEST_REPLAYED_S, share, band_hz)]
+        return [_Pair(measured, predicted, valid, _SHORTEST_REPLAYED_S, share, band_hz, _LEAST_OF_REPLAY)]
     found = []
     for twin in twins_of(manoeuvres, geometry):
         if twin.kind.name not in _SHORTEST_S:
