@@ -17,7 +17,7 @@ from model_diagnosis.evidence.groups import SEPARATION_NEEDED, separation
 from model_diagnosis.evidence.manoeuvre_library import LIBRARY, PlannedManoeuvre
 from model_diagnosis.evidence.quadratic import Quadratic
 from model_diagnosis.evidence.replay_model import ReplayModel
-from model_diagnosis.evidence.structure import separating_sensor
+from model_diagnosis.evidence.structure import are_forced_together, separating_sensor
 from model_diagnosis.evidence.whitening import SignalFilter, Whitener
 from model_diagnosis.result import NextManoeuvre
 
@@ -62,6 +62,9 @@ def plan(
     """
     if not pairs:
         return None
+    names = list(dict.fromkeys(name for pair in pairs for name in (pair.first, pair.second)))
+    if any(are_forced_together(channels, pair.first, pair.second) for pair in pairs):
+        return _sensor(pairs, names, channels, None)
     best: tuple[float, PlannedManoeuvre] | None = None
     for planned in library:
         made = simulate(planned, theta)
@@ -72,7 +75,6 @@ def plan(
         expected = min(separation(projected, pair.size, pair.columns, pair.other) for pair in pairs)
         if best is None or expected > best[0]:
             best = (expected, planned)
-    names = list(dict.fromkeys(name for pair in pairs for name in (pair.first, pair.second)))
     if best is not None and best[0] >= SEPARATION_NEEDED:
         return NextManoeuvre(
             name=best[1].name, description=best[1].description, separates=names, expected_evidence=best[0]
