@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 SCHEMA_PLACES = {
-    "scenarios/schemas": ("scenario", "procedure", "campaign", "criteria", "mapping"),
+    "scenarios/schemas": ("scenario", "procedure", "campaign", "criteria", "mapping", "channel_map"),
     "vehicle_model/schemas": ("vehicle", "tyre", "road", "surfaces"),
     "bench/ecu/schemas": ("calibration",),
     "can_fault_injector/schemas": ("faults",),

@@ -57,6 +57,7 @@ KINDS = (
     Kind("mapping", "bench.codec.mapping_file:MappingFile"),
     Kind("surface_comparison", "bench.estimation.surfaces_file:SurfaceComparisonFile"),
     Kind("criteria", "bench.verdict.criteria_file:CriteriaFile"),
+    Kind("channel_map", "signals.measured.channel_map:ChannelMap"),
     Kind("faults", "can_fault_injector.faults.fault_file:FaultsFile"),
 )
 SCHEMA_KINDS = tuple(kind.name for kind in KINDS)
@@ -70,6 +71,7 @@ _TELLING = {
     "body": "vehicle",
     "surfaces": "surfaces",
     "monitoring": "calibration",
+    "channels": "channel_map",
     "ecu": "scenario",
     "include": "scenario",
     "faults": "faults",
