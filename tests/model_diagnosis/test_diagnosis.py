@@ -60,6 +60,14 @@ def test_worn_pads_are_named_or_in_the_group_of_what_looks_the_same(worn_pads: F
     assert worn_pads.diagnosis.verdict in ("effect_found", "indistinguishable")
 
 
+@pytest.mark.xfail(
+    strict=True,
+    reason="wheel_inertia_reflected and differential_locking are named beside the pads: not explained yet",
+)
+def test_worn_pads_are_the_only_cause(worn_pads: Findings) -> None:
+    assert len(worn_pads.diagnosis.causes) == 1
+
+
 def test_pads_cannot_be_told_from_the_pressure_sensors_and_the_plan_asks_for_another(worn_pads: Findings) -> None:
     cause = worn_pads.diagnosis.causes[0]
     assert "pressure_sensor_scale" in cause.group
