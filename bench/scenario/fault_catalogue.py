@@ -134,6 +134,11 @@ FAULTS: tuple[PhysicalFault, ...] = (
     PhysicalFault(
         "disc_thickness_variation", _B, "brakes.thickness_variation_{wheel}", 0.1, "torque varies once per turn",
     ),
+    PhysicalFault("caliper_lag", _B, "brakes.caliper_time_constant", 0.05, "torque comes later than its pressure"),
+    PhysicalFault(
+        "booster_saturation", _B, "brakes.booster_slope_loss", 0.5,
+        "share of its help that the booster loses above `booster_knee_pressure`",
+    ),
     PhysicalFault("brake_pad_speed", _B, "brakes.{axle}.pad_speed_exponent", -0.2, "friction over rubbing speed"),
     PhysicalFault("brake_pad_pressure", _B, "brakes.{axle}.pad_pressure_exponent", 0.9, "torque bends over pressure"),
     PhysicalFault("brake_threshold", _B, "brakes.{axle}.threshold_pressure", 2e5, "pressure that only moves the pads"),

@@ -7,6 +7,8 @@ from signals.errors import InputError, nearest_name
 
 SHARED = "common"
 """Folder of parts that scenarios include; they are no scenarios themselves."""
+CHANNEL_MAP = "channels.yaml"
+"""A folder with this file holds the map and the car of a measured log: no scenarios."""
 
 
 def shipped_folder() -> Path:
@@ -30,7 +32,7 @@ def scenario_files() -> dict[str, Path]:
     found: dict[str, Path] = {}
     for folder in scenario_folders():
         for path in sorted(folder.rglob("*.yaml")):
-            if path.relative_to(folder).parts[0] != SHARED:
+            if path.relative_to(folder).parts[0] != SHARED and not (path.parent / CHANNEL_MAP).exists():
                 found.setdefault(path.relative_to(folder).with_suffix("").as_posix(), path)
     return found
 
