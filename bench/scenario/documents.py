@@ -22,6 +22,8 @@ VEHICLE_SECTIONS = (
     "planar",
     "two_track",
     "steered_track",
+    "two_wheeler",
+    "terms",
     "tyres",
 )
 _PARAMETERS = (*VEHICLE_SECTIONS, "road")
