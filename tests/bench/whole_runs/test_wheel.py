@@ -70,7 +70,15 @@ def test_data_files_are_all_there(folder: str, installed: Path) -> None:
 def test_every_package_is_there_with_its_data(installed: Path) -> None:
     """What is not a Python file is the easiest to forget: cars, roads, tyres, calibrations, schemas, page parts."""
     site = next((installed.parent / "lib").glob("python*/site-packages"))
-    for package in ("signals", "vehicle_model", "hydraulics", "can_fault_injector", "estimators", "model_diagnosis", "bench"):
+    for package in (
+        "signals",
+        "vehicle_model",
+        "hydraulics",
+        "can_fault_injector",
+        "estimators",
+        "model_diagnosis",
+        "bench",
+    ):
         here = [path.relative_to(ROOT) for path in (ROOT / package).rglob("*.*") if "__pycache__" not in path.parts]
         assert here
         assert [path for path in here if (ROOT / path).is_file() and not (site / path).is_file()] == []
