@@ -17,9 +17,9 @@ def main() -> None:
     factors = closed_loop_speed.real_time_factor("friction/e4_abs_dry_95", 3)
     print(f"closed loop: {max(factors):.1f} x real time (goal {closed_loop_speed.GOAL:.0f})")
     with tempfile.TemporaryDirectory() as folder:
-        bench_times, empty_times = real_time_lateness.alternate(Path(folder), 1, SLICE_S, fifo=True, dashboard=False)
-    real_time_lateness.show("bench", bench_times)
-    real_time_lateness.show("empty", empty_times)
+        measured = real_time_lateness.alternate(Path(folder), 1, SLICE_S, fifo=True, dashboard=False)
+    for name, times in measured.items():
+        real_time_lateness.show(name, times)
     can_bits_speed.show(CAN_FRAMES)
 
 
