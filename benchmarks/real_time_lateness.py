@@ -27,18 +27,6 @@ SCENARIO = "stops/ice"
 """A stop that lasts longer than any slice."""
 
 
-def empty_loop(seconds: float, fifo: bool) -> TickTimes:
-    """What the machine does to a loop that does nothing."""
-    ticks = round(seconds * 1000)
-    pacer = RealtimePacer(ticks)
-    with real_time_process(plan_cores(), fifo=fifo):
-        pacer.start()
-        for n in range(ticks):
-            pacer.wait(n)
-            pacer.done(n)
-    return pacer.times
-
-
 @njit(cache=True)
 def arithmetic(rounds: int) -> float:
     """The same additions each time."""
@@ -59,15 +47,16 @@ def rounds_per_us() -> float:
     return 1e8 / best
 
 
-def constant_loop(seconds: float, fifo: bool, rounds: int) -> TickTimes:
-    """What the machine does to a loop whose ticks are all alike."""
+def bare_loop(seconds: float, fifo: bool, rounds: int) -> TickTimes:
+    """What the machine does to a loop whose ticks are all alike: so many rounds of arithmetic, or nothing."""
     ticks = round(seconds * 1000)
     pacer = RealtimePacer(ticks)
     with real_time_process(plan_cores(), fifo=fifo):
         pacer.start()
         for n in range(ticks):
             pacer.wait(n)
-            arithmetic(rounds)
+            if rounds:
+                arithmetic(rounds)
             pacer.done(n)
     return pacer.times
 
@@ -107,8 +96,8 @@ def alternate(folder: Path, slices: int, slice_s: float, *, fifo: bool, dashboar
         if run.verdict.errors:
             raise SystemExit(f"the run failed: {run.verdict.errors}")
         median_us = summarise(joined(bench_times))["tick_cpu_us"]["p50"]
-        constant_times.append(constant_loop(slice_s, fifo, round(median_us * speed)))
-        empty_times.append(empty_loop(slice_s, fifo))
+        constant_times.append(bare_loop(slice_s, fifo, round(median_us * speed)))
+        empty_times.append(bare_loop(slice_s, fifo, 0))
     return {"bench": joined(bench_times), "constant": joined(constant_times), "empty": joined(empty_times)}
 
 

@@ -6,6 +6,7 @@ what it does with late, wrong and lost inputs is told in :mod:`estimators.inputs
 finite.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -18,7 +19,7 @@ from signals.catalogue import Signal, block_slice, index_of
 FloatArray = NDArray[np.float64]
 
 
-class Estimator:
+class Estimator(ABC):
     """Base of all estimators; build one with :func:`estimators.create`.
 
     Attributes
@@ -45,9 +46,9 @@ class Estimator:
         self.outputs: tuple[Signal, ...] = self.description.signals()
         self.sample_time_s = sample_time_s
 
+    @abstractmethod
     def reset(self) -> None:
         """Return to the state of a new estimator."""
-        raise NotImplementedError
 
     def replay(self, columns: Mapping[str, FloatArray], ages: Mapping[str, FloatArray] | None = None) -> FloatArray:
         """Run over recorded signals, one sample per tick.

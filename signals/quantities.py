@@ -6,6 +6,7 @@ editors' schema and ``bench vehicle list``.
 """
 
 import re
+from tokenize import TokenError
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
@@ -58,6 +59,19 @@ def to_si(value: str | float, unit: str) -> float:
     return number * known[0] / wanted[0]
 
 
+# what pint's parser raises on a text that is no unit; its own errors are AttributeError, ValueError and TypeError too
+_NO_UNIT_OF_PINT = (
+    AttributeError,
+    ValueError,
+    TypeError,
+    SyntaxError,
+    LookupError,
+    ArithmeticError,
+    AssertionError,
+    TokenError,
+)
+
+
 def _with_pint(number: float, written: str, unit: str, text: str) -> float:
     """The rare unit that `signals.units` does not know; importing pint costs 0.2 s."""
     import pint
@@ -68,7 +82,7 @@ def _with_pint(number: float, written: str, unit: str, text: str) -> float:
         return float(registry.Quantity(number, written).to(target).magnitude)
     except pint.DimensionalityError:
         raise QuantityError("wrong dimension", text, unit) from None
-    except Exception:
+    except _NO_UNIT_OF_PINT:
         raise QuantityError(f"unknown unit {written!r}", text, unit) from None
 
 

@@ -4,6 +4,7 @@ Times in the files are relative to the start of the run, whose date stands in th
 """
 
 import struct
+import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 
 import can
 import numpy as np
-from can.io.blf import FILE_HEADER_SIZE, BLFReader, BLFWriter
+from can.io.blf import FILE_HEADER_SIZE, BLFParseError, BLFReader, BLFWriter
 from numpy.typing import NDArray
 
 from bench.links.frame import BIT_RATE_SWITCH, ERROR, EXTENDED, FD, FRAME_DTYPE, REMOTE, TRANSMITTED
@@ -19,6 +20,8 @@ from bench.links.frame import BIT_RATE_SWITCH, ERROR, EXTENDED, FD, FRAME_DTYPE,
 CONTAINER_BYTES = 8192
 _HEAD = struct.Struct("<qqIBBBB")
 _MILLISECOND_NS = 1_000_000
+_BROKEN = (BLFParseError, struct.error, zlib.error, ValueError, TypeError, LookupError, ArithmeticError, EOFError)
+"""What the reader raises where a killed writer left half an object."""
 
 
 def to_messages(frames: NDArray[np.void], start_time_ns: int = 0) -> Iterator[can.Message]:
@@ -145,7 +148,5 @@ def read_blf(path: Path) -> NDArray[np.void]:
 def _until_broken(reader: Any) -> Iterator[can.Message]:
     try:
         yield from reader
-    except GeneratorExit:
-        raise
-    except Exception:
+    except _BROKEN:
         return

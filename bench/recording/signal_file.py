@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+from mcap.exceptions import McapError
 from mcap.records import Message, Schema
 from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, IndexType, Writer
@@ -20,6 +21,8 @@ from bench.recording.schema import RunSchema
 
 CHUNK_BYTES = 64 * 1024
 _HEAD = struct.Struct("<qq")
+_BROKEN = (McapError, struct.error, ValueError, LookupError, ArithmeticError, EOFError, RuntimeError)
+"""What the reader raises where a killed writer left half a chunk; RuntimeError is LZ4's."""
 
 Rows = tuple[int, NDArray[np.int64], NDArray[np.float64]]
 
@@ -90,9 +93,7 @@ def _records(path: Path) -> Iterator[Any]:
     with path.open("rb") as file:
         try:
             yield from StreamReader(file, validate_crcs=True, record_size_limit=1 << 26).records
-        except GeneratorExit:
-            raise
-        except Exception:
+        except _BROKEN:
             return
 
 
