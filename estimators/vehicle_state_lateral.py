@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from estimators.kalman.covariance import FloatArray, IntArray, all_finite, cholesky, symmetrise
+from estimators.kalman.covariance import FloatArray, IntArray, all_finite
+from estimators.kalman.floored_covariance import floor_covariance
 from estimators.kalman.sigma_points import correct_points, predict_points
 from estimators.vehicle_state_car import GRAVITY
 from estimators.vehicle_state_model import LEFT, magic_formula, roll_step, slip_angle
@@ -36,7 +37,6 @@ NOISE_TABLE = np.array([1e8, 1e7, 0.1, 0.1, 0.05, 0.05, 0.05])
 SMALLEST_SLOPE, LARGEST_SLOPE = 0.5, 60.0
 SMALLEST_LIMIT, LARGEST_LIMIT = 0.03, 1.3
 LARGEST_LATERAL_SPEED = 30.0
-_FLOOR = 1e-12
 _SMALLEST_SHAPE = 1e-3
 
 
@@ -86,68 +86,6 @@ def predict_state(x: FloatArray, s: Any, curves: Any, car: Any, t: Any, dt: floa
     roll, rate = roll_step(s.roll, s.roll_rate, sum_y, dt, car)
     full[LATERAL_STATES] = a_y
     full[LATERAL_STATES + 5], full[LATERAL_STATES + 6] = rate, roll
-
-
-@njit(cache=True)
-def floor_covariance(covariance: FloatArray, factor: FloatArray, work: FloatArray) -> None:
-    """Raise eigenvalues that are not positive, so that the covariance has a Cholesky factor; ``factor`` receives it.
-
-    The weight of the centre point is negative (3.2), so that a covariance may lose its definiteness.
-    """
-    symmetrise(covariance)
-    if cholesky(covariance, factor):
-        return
-    n = covariance.shape[0]
-    for i in range(n):
-        for j in range(n):
-            factor[i, j] = 1.0 if i == j else 0.0
-            work[i, j] = covariance[i, j]
-    _jacobi(work, factor)
-    largest = 0.0
-    for i in range(n):
-        largest = max(largest, abs(work[i, i]))
-    floor = max(_FLOOR, 1e-9 * largest)
-    for i in range(n):
-        for j in range(i + 1):
-            total = 0.0
-            for k in range(n):
-                total += factor[i, k] * max(work[k, k], floor) * factor[j, k]
-            covariance[i, j] = total
-            covariance[j, i] = total
-    cholesky(covariance, factor)
-
-
-@njit(cache=True)
-def _jacobi(matrix: FloatArray, vectors: FloatArray) -> None:
-    """Eigenvalues on the diagonal of a symmetric matrix and eigenvectors in columns, by cyclic rotations."""
-    n = matrix.shape[0]
-    for _ in range(30):
-        off = scale = 0.0
-        for i in range(n):
-            scale += matrix[i, i] * matrix[i, i]
-            for j in range(i):
-                off += matrix[i, j] * matrix[i, j]
-        if off <= 1e-26 * scale:
-            return
-        for p in range(n - 1):
-            for q in range(p + 1, n):
-                if matrix[p, q] == 0.0:
-                    continue
-                ratio = (matrix[q, q] - matrix[p, p]) / (2.0 * matrix[p, q])
-                tangent = 1.0 / (abs(ratio) + math.sqrt(ratio * ratio + 1.0))
-                if ratio < 0.0:
-                    tangent = -tangent
-                cosine = 1.0 / math.sqrt(tangent * tangent + 1.0)
-                sine = tangent * cosine
-                for k in range(n):
-                    a, b = matrix[k, p], matrix[k, q]
-                    matrix[k, p], matrix[k, q] = cosine * a - sine * b, sine * a + cosine * b
-                for k in range(n):
-                    a, b = matrix[p, k], matrix[q, k]
-                    matrix[p, k], matrix[q, k] = cosine * a - sine * b, sine * a + cosine * b
-                for k in range(n):
-                    a, b = vectors[k, p], vectors[k, q]
-                    vectors[k, p], vectors[k, q] = cosine * a - sine * b, sine * a + cosine * b
 
 
 @njit(cache=True)

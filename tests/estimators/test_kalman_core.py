@@ -14,6 +14,7 @@ from estimators.kalman.consistency import chi_square_band, normalised_estimation
 from estimators.kalman.correction import ROW_GATED, ROW_MISSING, ROW_USED, correct_row
 from estimators.kalman.covariance import cholesky, propagate_sparse
 from estimators.kalman.filters import GaussianFilter, cubature_weights, unscented_weights
+from estimators.kalman.floored_covariance import floor_covariance
 
 TOLERANCE = 1e-9
 
@@ -222,3 +223,17 @@ def test_statistics_are_inside_their_band_over_200_runs():
     assert chi_square_band(nees, 4).inside
     assert chi_square_band(nis, 3).inside
     assert not chi_square_band(np.array(nees) * 2.0, 4).inside
+
+
+def test_a_covariance_that_lost_its_definiteness_is_raised_to_the_nearest_that_has_a_factor():
+    """Against numpy's eigenvalues: those below the floor are raised to it, the others and all vectors stay."""
+    random = np.random.default_rng(5)
+    for _ in range(50):
+        vectors = np.linalg.qr(random.standard_normal((6, 6)))[0]
+        values = np.array([3.0, 1.0, 0.2, 1e-3, -1e-4, -0.05])
+        covariance = (vectors * values) @ vectors.T
+        factor, work = np.zeros((6, 6)), np.zeros((6, 6))
+        expected = (vectors * np.maximum(values, 3e-9)) @ vectors.T
+        floor_covariance(covariance, factor, work)
+        assert np.allclose(covariance, expected, rtol=0.0, atol=1e-12)
+        assert np.allclose(np.tril(factor) @ np.tril(factor).T, covariance, rtol=0.0, atol=1e-12)
