@@ -6,10 +6,11 @@ from pydantic import Field
 
 from estimators.channels import MOTION_INPUTS, TORQUE_INPUTS
 from estimators.description import Output, with_deviation
-from signals.quantities import FileModel, parameter
+from estimators.longitudinal_settings import LongitudinalSettings
+from signals.quantities import parameter
 
 
-class ForceEkfSettings(FileModel):
+class ForceEkfSettings(LongitudinalSettings):
     """Settings of the force EKF. Noise is per millisecond step (L = I, Q already scaled); values are assumed."""
 
     drag: Literal["quadratic", "cosine"] = Field(
@@ -67,33 +68,6 @@ class ForceEkfSettings(FileModel):
         low=1e-3,
         description="while the brakes hold both axles still, the rates of the forces die out with it",
         source="assumed",
-    )
-    pitch_gradient: float = parameter(
-        "rad s^2/m",
-        0.0,
-        low=0.0,
-        high=0.05,
-        neutral=0.0,
-        description="nose-down pitch per deceleration; a pitched accelerometer feels a part of gravity",
-        source="assumed: a car that does not pitch, as in the document",
-    )
-    wheel_speed_teeth: float | None = parameter(
-        "1",
-        None,
-        low=0.0,
-        high=512.0,
-        description="teeth of the tone rings, 0 where wheel speeds have no delay; left out: sensors.wheel_speed.teeth "
-        "of the vehicle file, 0 if it has none",
-    )
-    wheel_speed_window: float | None = parameter(
-        "s",
-        None,
-        low=0.0,
-        high=0.1,
-        description="time over which edges make a speed; left out: sensors.wheel_speed.window of the vehicle file",
-    )
-    input_timeout: float = parameter(
-        "s", 0.1, low=0.002, high=5.0, description="time without a good sample after which an input is lost"
     )
 
 

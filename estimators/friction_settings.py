@@ -5,6 +5,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from estimators.channels import MOTION_INPUTS, TORQUE_INPUTS
+from estimators.longitudinal_settings import LongitudinalSettings
 from signals.quantities import FileModel, parameter
 
 _TABLE = "friction document 3.6.8, 3.6.9"
@@ -75,7 +76,7 @@ class InitialDeviation(FileModel):
     friction_limit_rate: float = parameter("1/s", 0.1, low=0.0, description="their rates", source=_TABLE)
 
 
-class FrictionSettings(FileModel):
+class FrictionSettings(LongitudinalSettings):
     """Settings that the extended and the unscented friction filter share."""
 
     # default noise of the slips with torques known, Z1, Z2 (3.6.8, 3.6.9)
@@ -151,33 +152,6 @@ class FrictionSettings(FileModel):
         low=1e-3,
         description="while no wheel's speed tells its force, the rates of the friction limits die out with it",
         source="assumed",
-    )
-    pitch_gradient: float = parameter(
-        "rad s^2/m",
-        0.0,
-        low=0.0,
-        high=0.05,
-        neutral=0.0,
-        description="nose-down pitch per deceleration; a pitched accelerometer feels a part of gravity",
-        source="assumed: a car that does not pitch, as in the document",
-    )
-    wheel_speed_teeth: float | None = parameter(
-        "1",
-        None,
-        low=0.0,
-        high=512.0,
-        description="teeth of the tone rings, 0 where wheel speeds have no delay; left out: sensors.wheel_speed.teeth "
-        "of the vehicle file, 0 if it has none",
-    )
-    wheel_speed_window: float | None = parameter(
-        "s",
-        None,
-        low=0.0,
-        high=0.1,
-        description="time over which edges make a speed; left out: sensors.wheel_speed.window of the vehicle file",
-    )
-    input_timeout: float = parameter(
-        "s", 0.1, low=0.002, high=5.0, description="time without a good sample after which an input is lost"
     )
     confidence_ratio: float = parameter(
         "1", 0.3, low=0.0, high=1.0, description="share of the limit in use above which it is told", source="3.6.7"

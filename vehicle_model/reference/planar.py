@@ -18,8 +18,7 @@ from signals.quantities import FileModel, parameter
 from signals.wheels import WHEELS
 from vehicle_model.reference.planar_record import PARAMETER_RECORD, STATE_RECORD
 from vehicle_model.reference.planar_step import planar_tick, refresh
-from vehicle_model.reference.reference_plant import ReferencePlant
-from vehicle_model.road import RoadTables
+from vehicle_model.reference.reference_plant import EnergyAccount
 from vehicle_model.road_file import RoadFile
 from vehicle_model.tyres.coefficients import TYRE_SIZE, write_tyre
 from vehicle_model.tyres.kernel import PREPARED_SIZE
@@ -42,7 +41,7 @@ class PlanarOptions(FileModel):
     )
 
 
-class Planar(ReferencePlant):
+class Planar(EnergyAccount):
     """Planar car (see ``vehicle_model.interface.Plant`` for what every plant offers).
 
     Parameters
@@ -74,27 +73,21 @@ class Planar(ReferencePlant):
     def __init__(
         self, vehicle: VehicleFile, road: RoadFile | None = None, *, substeps: int = 10, roll_dynamics: int = 1
     ) -> None:
-        super().__init__()
-        self._vehicle = vehicle.model_copy(deep=True)
         self._numerics = PlanarOptions(substeps=substeps, roll_dynamics=roll_dynamics)
-        self._options = self._numerics
-        self._road = RoadTables(road or RoadFile())
+        super().__init__(vehicle, road, self._numerics, PARAMETER_RECORD, STATE_RECORD)
+
+    def _allocate(self) -> None:
         steering_map = self._vehicle.steering.map
         if steering_map is None:
             raise InputError(
                 "steering.map: missing; the planar car takes the road-wheel angles from it",
-                found=f"vehicle {vehicle.name!r} without a map",
+                found=f"vehicle {self._vehicle.name!r} without a map",
                 mend="give steering.map with steering_wheel_angle, left and right, or take a car that has one "
                 "(lada_vesta_assumed_steering)",
             )
         self._steering = np.zeros((3, len(steering_map.steering_wheel_angle)))
-        self._parameters: NDArray[np.void] = np.zeros(1, PARAMETER_RECORD)
-        self._state: NDArray[np.void] = np.zeros(1, STATE_RECORD)
         self._tyres = np.zeros((4, TYRE_SIZE))
         self._prepared = np.zeros((4, PREPARED_SIZE))
-        self._write("body")
-        self._take_memory()
-        self.reset(speed_m_s=0.0)
 
     def _take_memory(self) -> None:
         road = self._road
@@ -112,23 +105,7 @@ class Planar(ReferencePlant):
             self.outputs,
         )
 
-    def reset(
-        self,
-        *,
-        speed_m_s: float,
-        position_x_m: float = 0.0,
-        position_y_m: float = 0.0,
-        yaw_angle_rad: float = 0.0,
-        time_s: float = 0.0,
-    ) -> None:
-        """Rest loads, moving at ``speed_m_s`` along the heading with freely rolling wheels."""
-        self._state[:] = np.zeros(1, STATE_RECORD)
-        s, p = self._state[0], self._parameters[0]
-        s["speed"], s["x"], s["y"], s["yaw"] = speed_m_s, position_x_m, position_y_m, yaw_angle_rad
-        s["omega"] = speed_m_s / p["radius"]
-        self._time_s = time_s
-        self.outputs[:] = 0.0
-        self._drive[:] = 0.0
+    def _show(self, time_s: float) -> None:
         refresh(*self._memory, self._drive, time_s)
 
     def tick(
@@ -136,11 +113,6 @@ class Planar(ReferencePlant):
     ) -> None:
         """Advance by 1 ms (see ``vehicle_model.interface.Plant.tick``)."""
         planar_tick(*self._memory, brake_torque, drive_torque, steer, time_s)
-
-    def energy_account(self) -> dict[str, float]:
-        """Energies since the reset [J]: what brakes, tyres, rolling and air took, and what the drive gave."""
-        kinds = ("brake_energy", "tyre_energy", "rolling_energy", "air_energy", "drive_energy")
-        return {kind: float(self._state[kind][0]) for kind in kinds}
 
     def _write(self, section: str) -> None:
         vehicle, p = self._vehicle, self._parameters[0]

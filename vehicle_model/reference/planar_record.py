@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from vehicle_model.reference.state_fields import WRITTEN_OUT
+
 PARAMETER_RECORD = np.dtype(
     [
         ("substeps", "i8"),
@@ -33,43 +35,15 @@ PARAMETER_RECORD = np.dtype(
 
 STATE_RECORD = np.dtype(
     [
-        ("speed", "f8"),
-        ("lateral_speed", "f8"),
-        ("yaw_rate", "f8"),
-        ("x", "f8"),
-        ("y", "f8"),
-        ("yaw", "f8"),
-        ("distance", "f8"),
-        ("omega", "f8", (4,)),
-        ("roll", "f8"),
-        ("roll_rate", "f8"),
-        ("nose_up", "f8"),
-        ("nose_up_rate", "f8"),
-        ("steer", "f8", (4,)),
+        *WRITTEN_OUT,
         ("load", "f8", (4,)),
         ("prepared_load", "f8", (4,)),
         # of this sub-step, in the axes of each wheel
         ("force_x", "f8", (4,)),
         ("force_y", "f8", (4,)),
         ("slip", "f8", (4,)),
-        ("slip_angle", "f8", (4,)),
-        ("friction_limit", "f8", (4,)),
         ("acceleration_x", "f8"),
         ("acceleration_y", "f8"),
         ("rolling_moment", "f8"),
-        # means over the tick
-        ("mean_x", "f8"),
-        ("mean_y", "f8"),
-        ("mean_force_x", "f8", (4,)),
-        ("mean_force_y", "f8", (4,)),
-        ("mean_load", "f8", (4,)),
-        ("mean_brake", "f8", (4,)),
-        # energies since the reset
-        ("gravity_energy", "f8"),
-        ("brake_energy", "f8"),
-        ("tyre_energy", "f8"),
-        ("air_energy", "f8"),
-        ("rolling_energy", "f8"),
-        ("drive_energy", "f8"),
     ]
 )

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from signals.quantities import FileModel, parameter
 from signals.wheels import WHEELS
 from vehicle_model.reference.axle_scaling import axle_inertia
-from vehicle_model.reference.reference_plant import ReferencePlant
+from vehicle_model.reference.reference_plant import EnergyAccount
 from vehicle_model.reference.single_track_record import PARAMETER_RECORD, STATE_RECORD
 from vehicle_model.reference.single_track_step import refresh, single_track_tick
-from vehicle_model.road import RoadTables
 from vehicle_model.road_file import RoadFile
 from vehicle_model.tyres.coefficients import TYRE_SIZE, write_tyre
 from vehicle_model.tyres.kernel import PREPARED_SIZE
@@ -33,7 +32,7 @@ class SingleTrackOptions(FileModel):
     substeps: int = parameter("1", 5, low=5, high=1000, description="integration steps per millisecond")
 
 
-class SingleTrack(ReferencePlant):
+class SingleTrack(EnergyAccount):
     """Longitudinal single-track car (see ``vehicle_model.interface.Plant`` for what every plant offers).
 
     Parameters
@@ -53,18 +52,14 @@ class SingleTrack(ReferencePlant):
 
     sections = SECTIONS
 
+    _options: SingleTrackOptions
+
     def __init__(self, vehicle: VehicleFile, road: RoadFile | None = None, *, substeps: int = 5) -> None:
-        super().__init__()
-        self._vehicle = vehicle.model_copy(deep=True)
-        self._options: SingleTrackOptions = SingleTrackOptions(substeps=substeps)
-        self._road = RoadTables(road or RoadFile())
-        self._parameters: NDArray[np.void] = np.zeros(1, PARAMETER_RECORD)
-        self._state: NDArray[np.void] = np.zeros(1, STATE_RECORD)
+        super().__init__(vehicle, road, SingleTrackOptions(substeps=substeps), PARAMETER_RECORD, STATE_RECORD)
+
+    def _allocate(self) -> None:
         self._tyres = np.zeros((4, TYRE_SIZE))
         self._prepared = np.zeros((4, PREPARED_SIZE))
-        self._write("plant")
-        self._take_memory()
-        self.reset(speed_m_s=0.0)
 
     def _take_memory(self) -> None:
         road = self._road
@@ -81,23 +76,7 @@ class SingleTrack(ReferencePlant):
             self.outputs,
         )
 
-    def reset(
-        self,
-        *,
-        speed_m_s: float,
-        position_x_m: float = 0.0,
-        position_y_m: float = 0.0,
-        yaw_angle_rad: float = 0.0,
-        time_s: float = 0.0,
-    ) -> None:
-        """Rest loads, moving at ``speed_m_s`` along the heading with freely rolling wheels."""
-        self._state[:] = np.zeros(1, STATE_RECORD)
-        s, p = self._state[0], self._parameters[0]
-        s["speed"], s["x"], s["y"], s["yaw"] = speed_m_s, position_x_m, position_y_m, yaw_angle_rad
-        s["omega"] = speed_m_s / p["radius"]
-        self._time_s = time_s
-        self.outputs[:] = 0.0
-        self._drive[:] = 0.0
+    def _show(self, time_s: float) -> None:
         refresh(*self._memory, self._drive, time_s)
 
     def tick(
@@ -105,11 +84,6 @@ class SingleTrack(ReferencePlant):
     ) -> None:
         """Advance by 1 ms (see ``vehicle_model.interface.Plant.tick``); the steering-wheel angle has no effect."""
         single_track_tick(*self._memory, brake_torque, drive_torque, time_s)
-
-    def energy_account(self) -> dict[str, float]:
-        """Energies since the reset [J]: what brakes, tyres, rolling and air took, and what the drive gave."""
-        kinds = ("brake_energy", "tyre_energy", "rolling_energy", "air_energy", "drive_energy")
-        return {kind: float(self._state[kind][0]) for kind in kinds}
 
     def _write(self, section: str) -> None:
         # the record is small: all of it, whatever the section

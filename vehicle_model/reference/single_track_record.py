@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from vehicle_model.reference.state_fields import ENERGIES
+
 FRONT, REAR = 0, 1
 
 PARAMETER_RECORD = np.dtype(
@@ -50,12 +52,6 @@ STATE_RECORD = np.dtype(
         ("mean_force", "f8", (2,)),
         ("mean_load", "f8", (2,)),
         ("mean_brake", "f8", (2,)),
-        # energies since the reset
-        ("gravity_energy", "f8"),
-        ("brake_energy", "f8"),
-        ("tyre_energy", "f8"),
-        ("air_energy", "f8"),
-        ("rolling_energy", "f8"),
-        ("drive_energy", "f8"),
+        *ENERGIES,
     ]
 )

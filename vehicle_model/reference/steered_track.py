@@ -16,7 +16,6 @@ from signals.wheels import WHEELS
 from vehicle_model.reference.linear_slope import side_force_slope
 from vehicle_model.reference.reference_plant import ReferencePlant
 from vehicle_model.reference.steered_track_step import PARAMETER_RECORD, STATE_RECORD, show, steered_track_tick
-from vehicle_model.road import RoadTables
 from vehicle_model.road_file import RoadFile
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -39,34 +38,12 @@ class SteeredTrack(ReferencePlant):
     sections: ClassVar[tuple[str, ...]] = ("body", "axles", "wheels", "steering", "steered_track", "tyres")
 
     def __init__(self, vehicle: VehicleFile, road: RoadFile | None = None) -> None:
-        super().__init__()
-        self._vehicle = vehicle.model_copy(deep=True)
-        self._options = SteeredTrackOptions()
-        self._road = RoadTables(road or RoadFile())
-        self._parameters: NDArray[np.void] = np.zeros(1, PARAMETER_RECORD)
-        self._state: NDArray[np.void] = np.zeros(1, STATE_RECORD)
-        self._write("body")
-        self._take_memory()
-        self.reset(speed_m_s=0.0)
+        super().__init__(vehicle, road, SteeredTrackOptions(), PARAMETER_RECORD, STATE_RECORD)
 
     def _take_memory(self) -> None:
         self._memory = self._parameters, self._state, self.outputs
 
-    def reset(
-        self,
-        *,
-        speed_m_s: float,
-        position_x_m: float = 0.0,
-        position_y_m: float = 0.0,
-        yaw_angle_rad: float = 0.0,
-        time_s: float = 0.0,
-    ) -> None:
-        """Straight ahead at ``speed_m_s``."""
-        self._state[:] = np.zeros(1, STATE_RECORD)
-        s = self._state[0]
-        s["speed"], s["x"], s["y"], s["yaw"] = speed_m_s, position_x_m, position_y_m, yaw_angle_rad
-        self._time_s = time_s
-        self.outputs[:] = 0.0
+    def _show(self, time_s: float) -> None:
         show(*self._memory)
 
     def tick(

@@ -13,6 +13,7 @@ from numba import njit
 
 from vehicle_model.interface import TIME_STEP_S
 from vehicle_model.reference.planar_outputs import write_outputs
+from vehicle_model.reference.state_fields import WRITTEN_OUT
 
 PARAMETER_RECORD = np.dtype(
     [
@@ -30,40 +31,7 @@ PARAMETER_RECORD = np.dtype(
         ("inertia", "f8", (4,)),  # 0: the document's wheels have no mass
     ]
 )
-STATE_RECORD = np.dtype(
-    [
-        ("speed", "f8"),
-        ("lateral_speed", "f8"),
-        ("yaw_rate", "f8"),
-        ("angle", "f8"),
-        ("x", "f8"),
-        ("y", "f8"),
-        ("yaw", "f8"),
-        ("distance", "f8"),
-        ("roll", "f8"),
-        ("roll_rate", "f8"),
-        ("nose_up", "f8"),
-        ("nose_up_rate", "f8"),
-        ("omega", "f8", (4,)),
-        ("steer", "f8", (4,)),
-        ("slip_angle", "f8", (4,)),
-        ("friction_limit", "f8", (4,)),
-        ("slopes", "f8", (4, 4)),
-        ("trial", "f8", (4,)),
-        ("mean_x", "f8"),
-        ("mean_y", "f8"),
-        ("mean_load", "f8", (4,)),
-        ("mean_force_x", "f8", (4,)),
-        ("mean_force_y", "f8", (4,)),
-        ("mean_brake", "f8", (4,)),
-        ("gravity_energy", "f8"),
-        ("brake_energy", "f8"),
-        ("tyre_energy", "f8"),
-        ("air_energy", "f8"),
-        ("rolling_energy", "f8"),
-        ("drive_energy", "f8"),
-    ]
-)
+STATE_RECORD = np.dtype([*WRITTEN_OUT, ("angle", "f8"), ("slopes", "f8", (4, 4)), ("trial", "f8", (4,))])
 _SLOWEST = 0.3
 """Smallest speed [m/s] in the divisors of slip angles, which are not defined at standstill."""
 

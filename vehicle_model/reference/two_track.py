@@ -17,7 +17,6 @@ from vehicle_model.reference.linear_slope import side_force_slope
 from vehicle_model.reference.reference_plant import ReferencePlant
 from vehicle_model.reference.two_track_record import PARAMETER_RECORD, STATE_RECORD
 from vehicle_model.reference.two_track_step import refresh, two_track_tick
-from vehicle_model.road import RoadTables
 from vehicle_model.road_file import RoadFile
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -54,15 +53,7 @@ class TwoTrack(ReferencePlant):
     )
 
     def __init__(self, vehicle: VehicleFile, road: RoadFile | None = None) -> None:
-        super().__init__()
-        self._vehicle = vehicle.model_copy(deep=True)
-        self._options = TwoTrackOptions()
-        self._road = RoadTables(road or RoadFile())
-        self._parameters: NDArray[np.void] = np.zeros(1, PARAMETER_RECORD)
-        self._state: NDArray[np.void] = np.zeros(1, STATE_RECORD)
-        self._write("body")
-        self._take_memory()
-        self.reset(speed_m_s=0.0)
+        super().__init__(vehicle, road, TwoTrackOptions(), PARAMETER_RECORD, STATE_RECORD)
 
     def _take_memory(self) -> None:
         road = self._road
@@ -76,22 +67,7 @@ class TwoTrack(ReferencePlant):
             self.outputs,
         )
 
-    def reset(
-        self,
-        *,
-        speed_m_s: float,
-        position_x_m: float = 0.0,
-        position_y_m: float = 0.0,
-        yaw_angle_rad: float = 0.0,
-        time_s: float = 0.0,
-    ) -> None:
-        """Rest loads, moving at ``speed_m_s`` along the heading."""
-        self._state[:] = np.zeros(1, STATE_RECORD)
-        s, p = self._state[0], self._parameters[0]
-        s["speed"], s["x"], s["y"], s["yaw"] = speed_m_s, position_x_m, position_y_m, yaw_angle_rad
-        s["omega"] = speed_m_s / p["radius"]
-        self._time_s = time_s
-        self.outputs[:] = 0.0
+    def _show(self, time_s: float) -> None:
         refresh(*self._memory)
 
     def tick(
