@@ -1,32 +1,16 @@
 """Effects of the road."""
 
+from functools import partial
+
 from model_diagnosis.effects.effect import Application, Effect, EffectParameter, Group
 from signals.wheels import WHEELS
 
 _WHEEL_SPEEDS = tuple(f"wheel_speed_{wheel}" for wheel in WHEELS)
 
 
-def _road(
-    name: str,
-    equation: str,
-    parameters: tuple[EffectParameter, ...],
-    signals: tuple[str, ...],
-    confounded_with: tuple[str, ...],
-    separating_manoeuvre: str,
-    remarks: str = "",
-) -> Effect:
-    return Effect(
-        name=name,
-        group=Group.ROAD,
-        application=Application.PLANT,
-        equation=equation,
-        parameters=parameters,
-        signals=signals,
-        separating_manoeuvre=separating_manoeuvre,
-        confounded_with=confounded_with,
-        source="slopes and friction of public roads",
-        remarks=remarks,
-    )
+_road = partial(
+    Effect, group=Group.ROAD, application=Application.PLANT, source="slopes and friction of public roads", remarks=""
+)
 
 
 def _absolute(name: str, unit: str, low: float, high: float, scatter: float, width: float) -> EffectParameter:
@@ -35,39 +19,39 @@ def _absolute(name: str, unit: str, low: float, high: float, scatter: float, wid
 
 ROAD_EFFECTS: tuple[Effect, ...] = (
     _road(
-        "road_grade",
-        "dv/dt <- dv/dt - g (s + d), the accelerometer does not see it",
-        (_absolute("grade", "1", -0.1, 0.1, 0.001, 0.015),),
-        ("speed", "longitudinal_acceleration"),
-        ("accelerometer_offset", "rolling_resistance", "head_wind"),
-        "both directions on the same road; a speed reference",
+        name="road_grade",
+        equation="dv/dt <- dv/dt - g (s + d), the accelerometer does not see it",
+        parameters=(_absolute("grade", "1", -0.1, 0.1, 0.001, 0.015),),
+        signals=("speed", "longitudinal_acceleration"),
+        confounded_with=("accelerometer_offset", "rolling_resistance", "head_wind"),
+        separating_manoeuvre="both directions on the same road; a speed reference",
     ),
     _road(
-        "road_bank",
-        "dv_y/dt <- dv_y/dt - g (b + d)",
-        (_absolute("bank", "1", -0.08, 0.08, 0.001, 0.012),),
-        ("lateral_acceleration", "yaw_rate"),
-        ("accelerometer_offset", "tyre_camber_conicity", "side_wind"),
-        "both directions on the same road",
+        name="road_bank",
+        equation="dv_y/dt <- dv_y/dt - g (b + d)",
+        parameters=(_absolute("bank", "1", -0.08, 0.08, 0.001, 0.012),),
+        signals=("lateral_acceleration", "yaw_rate"),
+        confounded_with=("accelerometer_offset", "tyre_camber_conicity", "side_wind"),
+        separating_manoeuvre="both directions on the same road",
     ),
     _road(
-        "mu_step",
-        "mu <- mu (1 + d) behind the place 30 m + x0",
-        (
+        name="mu_step",
+        equation="mu <- mu (1 + d) behind the place 30 m + x0",
+        parameters=(
             _absolute("level", "1", -0.85, 1.0, 0.0, 0.25),
             _absolute("place", "m", -30.0, 170.0, 0.0, 30.0),
         ),
-        ("longitudinal_acceleration", *_WHEEL_SPEEDS),
-        ("tyre_friction", "brake_pad_friction"),
-        "the same stop on another spot",
-        "the place counts from the first sample of each manoeuvre",
+        signals=("longitudinal_acceleration", *_WHEEL_SPEEDS),
+        confounded_with=("tyre_friction", "brake_pad_friction"),
+        separating_manoeuvre="the same stop on another spot",
+        remarks="the place counts from the first sample of each manoeuvre",
     ),
     _road(
-        "mu_split",
-        "mu <- mu (1 + d) on the left, mu (1 - d) on the right",
-        (_absolute("level", "1", -0.7, 0.7, 0.005, 0.15),),
-        ("yaw_rate", *_WHEEL_SPEEDS),
-        ("wheel_brake_weak",),
-        "the same stop on another spot",
+        name="mu_split",
+        equation="mu <- mu (1 + d) on the left, mu (1 - d) on the right",
+        parameters=(_absolute("level", "1", -0.7, 0.7, 0.005, 0.15),),
+        signals=("yaw_rate", *_WHEEL_SPEEDS),
+        confounded_with=("wheel_brake_weak",),
+        separating_manoeuvre="the same stop on another spot",
     ),
 )
