@@ -6,11 +6,14 @@ The fixture ``witnessed`` puts a line into the summary of the run: what an indep
 """
 
 import csv
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 TRACEABILITY = Path(__file__).resolve().parent.parent / "docs" / "traceability.csv"
 COLUMNS = ("id", "source_line", "test_node_id", "measured", "limit", "verdict")

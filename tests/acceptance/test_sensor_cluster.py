@@ -3,20 +3,17 @@
 Friction document 1.3, 1.7, 5.3; the real microcontroller is played by its twin, a process of its own on a serial line.
 """
 
-import os
-import pty
 import secrets
 import subprocess
 import sys
-import threading
 import time
-import tty
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from serial_line import NullModem
 
 import bench
 from bench.links.frame import TRANSMITTED
@@ -73,39 +70,19 @@ def test_a_line_with_bit_errors_costs_samples_and_no_wrong_value(record: Callabl
     assert difference < 0.02
 
 
-class Adapter:
-    """Two pseudo-terminals as the two ends of a serial line."""
-
-    def __init__(self) -> None:
-        self._pairs = [pty.openpty(), pty.openpty()]
-        for _, device in self._pairs:
-            tty.setraw(device)
-        self.ends = [os.ttyname(device) for _, device in self._pairs]
-        for here, there in ((0, 1), (1, 0)):
-            ends = (self._pairs[here][0], self._pairs[there][0])
-            threading.Thread(target=self._copy, args=ends, daemon=True).start()
-
-    @staticmethod
-    def _copy(source: int, target: int) -> None:
-        try:
-            while data := os.read(source, 4096):
-                os.write(target, data)
-        except OSError:  # closed at the end of the test
-            return
-
-
 @pytest.fixture
 def microcontroller() -> Iterator[tuple[str, str]]:
     """Serial line to, and CAN link of, a microcontroller in another process."""
-    adapter = Adapter()
+    modem = NullModem()
     link = f"udp:239.192.{secrets.randbelow(256)}.{1 + secrets.randbelow(250)}:{20000 + secrets.randbelow(20000)}"
-    command = [sys.executable, "-m", "bench.cli", "cluster", "--spi", adapter.ends[1], "--link", link]
+    command = [sys.executable, "-m", "bench.cli", "cluster", "--spi", modem.ends[1], "--link", link]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     try:
-        yield adapter.ends[0], link
+        yield modem.ends[0], link
     finally:
         process.terminate()
         process.wait(20)
+        modem.close()
 
 
 @pytest.mark.acceptance("F-11", "F-12")
@@ -128,7 +105,8 @@ def test_microcontroller_of_its_own_reads_the_bench_s_sensor_block(
     # of some 500 frames; a busy machine lets the microcontroller's process wait
     assert len(inertial) > 100
     assert not (inertial["flags"] & TRANSMITTED).any()
-    braking = run.data.array("speed") < 0.9 * run.data.array("speed").max()
+    # a busy machine lets the processes wait: what they sent in time is what counts
+    braking = (run.data.array("speed") < 0.9 * run.data.array("speed").max()) & (run.data.array("age_inertial") < 0.02)
     seen = run.data.array("longitudinal_acceleration")[braking]
     true = run.data.array("true_longitudinal_acceleration")[braking]
     record("mean deceleration over SPI and CAN, m/s²", float(-seen.mean()), f"{-true.mean():.2f} ± 0.5, true")

@@ -1,47 +1,16 @@
 """The slcan link on one end of a serial line, the kernel's own slcan line discipline on the other."""
 
-import os
-import pty
 import shutil
 import subprocess
-import threading
 import time
-import tty
 
 import numpy as np
 import pytest
+from serial_line import NullModem
 
 from bench.links.available import interface_is_up
 from bench.links.frame import EXTENDED, REMOTE, make_frame, new_frames, payload
 from bench.links.registry import open_link
-
-
-class NullModem:
-    """Two pseudo-terminals joined by a thread that copies bytes both ways."""
-
-    def __init__(self) -> None:
-        self._pairs = [pty.openpty(), pty.openpty()]
-        for _, device in self._pairs:
-            tty.setraw(device)
-        self.ends = [os.ttyname(device) for _, device in self._pairs]
-        for here, there in ((0, 1), (1, 0)):
-            copying = threading.Thread(
-                target=self._copy, args=(self._pairs[here][0], self._pairs[there][0]), daemon=True
-            )
-            copying.start()
-
-    @staticmethod
-    def _copy(source: int, target: int) -> None:
-        try:
-            while data := os.read(source, 4096):
-                os.write(target, data)
-        except OSError:  # closed at the end of the test
-            return
-
-    def close(self) -> None:
-        for descriptors in self._pairs:
-            for descriptor in descriptors:
-                os.close(descriptor)
 
 
 @pytest.fixture

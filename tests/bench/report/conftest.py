@@ -1,5 +1,4 @@
 import sys
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -7,7 +6,6 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 import made_up_stop
-from browser import Browser, start_chromium
 
 
 @pytest.fixture(scope="session")
@@ -36,17 +34,3 @@ def report_page(finished_run: Path) -> Path:
     from bench.report import build
 
     return build(finished_run)
-
-
-@pytest.fixture(scope="session")
-def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    """One Chromium for all tests."""
-    started = start_chromium(tmp_path_factory.mktemp("chromium"))
-    yield started
-    started.driver.quit()
-
-
-@pytest.fixture
-def browser(chromium: Browser) -> Callable[..., Browser]:
-    """``browser(page, width=…, dark=…)`` opens a page."""
-    return chromium.open

@@ -1,10 +1,10 @@
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "report"))
+sys.path.insert(0, str(Path(__file__).parent))
 
 from browser import Browser, start_chromium
 
@@ -15,3 +15,9 @@ def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     started = start_chromium(tmp_path_factory.mktemp("chromium"))
     yield started
     started.driver.quit()
+
+
+@pytest.fixture
+def browser(chromium: Browser) -> Callable[..., Browser]:
+    """``browser(page, width=…, dark=…)`` opens a page."""
+    return chromium.open
