@@ -18,8 +18,8 @@ def main() -> None:
     print(f"closed loop: {max(factors):.1f} x real time (goal {closed_loop_speed.GOAL:.0f})")
     with tempfile.TemporaryDirectory() as folder:
         measured = real_time_lateness.alternate(Path(folder), 1, SLICE_S, fifo=True, dashboard=False)
-    for name, times in measured.items():
-        real_time_lateness.show(name, times)
+    for name, parts in measured.items():
+        real_time_lateness.show(name, real_time_lateness.joined(parts))
     can_bits_speed.show(CAN_FRAMES)
 
 
