@@ -18,8 +18,8 @@ def percentiles_us(values_ns: NDArray[np.int64]) -> dict[str, float]:
     return {"p50": float(p50), "p99": float(p99), "p999": float(p999), "max": float(values_ns.max() / 1e3)}
 
 
-def summarise(times: TickTimes) -> dict[str, Any]:
-    """Lateness, processor time, late ticks split into ours and the machine's, skipped ticks.
+def late_ticks(times: TickTimes) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Ticks (n,) that were late, and those of them that were late by the bench's own processor time.
 
     A tick is late if it began more than one period after its deadline. It is late by our doing if the processor time of
     the tick before it was longer than the period, or if it carried such a tick's delay over.
@@ -27,7 +27,14 @@ def summarise(times: TickTimes) -> dict[str, Any]:
     n = times.count
     lateness, cpu = times.lateness_ns[:n], times.cpu_ns[:n]
     late = lateness > LATE_NS
-    ours = late & np.concatenate(([False], cpu[:-1] > PERIOD_NS)) if n else late
+    return late, late & np.concatenate(([False], cpu[:-1] > PERIOD_NS)) if n else late
+
+
+def summarise(times: TickTimes) -> dict[str, Any]:
+    """Lateness, processor time, late ticks split into ours and the machine's, skipped ticks."""
+    n = times.count
+    lateness, cpu = times.lateness_ns[:n], times.cpu_ns[:n]
+    late, ours = late_ticks(times)
     return {
         "lateness_us": percentiles_us(lateness),
         "tick_cpu_us": percentiles_us(cpu),
