@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.data import check_data, read_manoeuvres
+from model_diagnosis.data.holding_out import held_out_by_time
 from model_diagnosis.discovery.unknown import with_unknown
 from model_diagnosis.effects.catalogue import EFFECTS
 from model_diagnosis.effects.form import FORM_EFFECTS, FORM_HYDRAULICS_EFFECTS
@@ -90,6 +91,7 @@ def diagnose(
     channel_map: ChannelMap | str | Path | None = None,
     *,
     hold_out: Source | None = None,
+    hold_out_share: float = 0.0,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Findings:
@@ -102,6 +104,8 @@ def diagnose(
     channel_map : needed for logs that are not our own recordings
     hold_out : manoeuvres or logs that take no part in the search and measure the gain; without them it is measured by
         leaving out each manoeuvre in turn
+    hold_out_share : of each drive's time, from its end, that takes no part in the search either; its data is checked
+        and repaired together with the rest of the drive
     seed : of the bootstraps
     progress : called with what is being done and the share done, 0 to 1
 
@@ -118,20 +122,15 @@ def diagnose(
     faults, manoeuvres = check_data(manoeuvres, car, Replay)
     if held_out:
         _, held_out = check_data(held_out, car, Replay)
+    if hold_out_share:
+        manoeuvres, last = held_out_by_time(manoeuvres, hold_out_share)
+        held_out = [*held_out, *last]
     replay = Replay(car, manoeuvres)
     if not any(len(replay.signals(number)) for number in range(len(manoeuvres))):
         raise InputError("no signal of these logs can be compared with a replay", mend="check the channel map")
     return _Pipeline(
         car, replay, Replay(car, held_out, REPLAYED) if held_out else None, faults, logs, seed, clock
     ).run()
-
-
-def _checked(
-    vehicle: VehicleFile, manoeuvres: list[Manoeuvre], held_out: list[Manoeuvre]
-) -> tuple[list[DataFault], list[Manoeuvre], list[Manoeuvre]]:
-    """Faults of the data, and both sets repaired together: a clock or a swap is one for all logs of a car."""
-    faults, repaired = check_data([*manoeuvres, *held_out], vehicle, Replay)
-    return faults, repaired[: len(manoeuvres)], repaired[len(manoeuvres) :]
 
 
 def _manoeuvres(

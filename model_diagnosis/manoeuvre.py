@@ -26,6 +26,7 @@ class Manoeuvre:
     origins : catalogue name -> "<logger>" or "<logger>:<CAN message>" that the channel came with
     start_s : the log's own time of the first sample [s], from the drive's begin
     reading_faults : what was wrong with the samples before they were put on this time base
+    drive : logs of the drive that it was cut from; manoeuvres of one drive follow each other in time
     """
 
     name: str
@@ -36,6 +37,7 @@ class Manoeuvre:
     origins: Mapping[str, str] = field(default_factory=dict)
     start_s: float = 0.0
     reading_faults: tuple[DataFault, ...] = ()
+    drive: str = ""
 
     @property
     def samples(self) -> int:

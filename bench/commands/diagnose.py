@@ -61,6 +61,8 @@ def diagnose() -> None:
     Examples: bench diagnose runs/worn_pads --vehicle ekf_car
 
     bench diagnose stops.mf4 turns.mf4 --vehicle car.yaml --channels map.yaml --hold-out monday.mf4 --out result
+
+    bench diagnose lap.csv --vehicle car.yaml --channels map.yaml --hold-out-share 0.5
     """
 
 
@@ -73,6 +75,12 @@ def logs(
         list[str] | None,
         typer.Option("--hold-out", metavar="LOG", help="Log that only measures the gain; repeat for several."),
     ] = None,
+    hold_out_share: Annotated[
+        float,
+        typer.Option(
+            min=0.0, max=0.9, metavar="SHARE", help="Share of each drive, from its end, that only measures the gain."
+        ),
+    ] = 0.0,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Default: diagnosis/ in the run's folder, or diagnosis/LOG for another log."),
@@ -91,7 +99,15 @@ def logs(
     from bench.report.summary import output_console
 
     with SearchProgress() as progress:
-        found = find(logs, vehicle, channels=channels, hold_out=hold_out or [], seed=seed, progress=progress)
+        found = find(
+            logs,
+            vehicle,
+            channels=channels,
+            hold_out=hold_out or [],
+            hold_out_share=hold_out_share,
+            seed=seed,
+            progress=progress,
+        )
         progress("page and extended car", 0.98)
         written = write(found, out or default_folder(logs))
     if as_json:

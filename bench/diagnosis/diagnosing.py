@@ -70,6 +70,7 @@ def diagnose(
     *,
     channels: str | Path | None = None,
     hold_out: Sequence[str | Path] = (),
+    hold_out_share: float = 0.0,
     out: str | Path | None = None,
     seed: int = 0,
     progress: Progress | None = None,
@@ -86,6 +87,8 @@ def diagnose(
         Channel map of the logs; recordings of the bench need none.
     hold_out : sequence of paths
         Logs that take no part in the search and measure the gain.
+    hold_out_share : float
+        Share of each drive's time, from its end, that takes no part either: 0.5 is the second half.
     out : path, optional
         Folder for page, answer and extended vehicle file; nothing is written without it.
     seed : int
@@ -98,7 +101,15 @@ def diagnose(
     InputError
         If a file cannot be read, or holds nothing that can be compared with a simulation.
     """
-    found = find(_texts(logs), vehicle, channels=channels, hold_out=_texts(hold_out), seed=seed, progress=progress)
+    found = find(
+        _texts(logs),
+        vehicle,
+        channels=channels,
+        hold_out=_texts(hold_out),
+        hold_out_share=hold_out_share,
+        seed=seed,
+        progress=progress,
+    )
     if out is not None:
         return write(found, Path(out)).diagnosis
     return found.findings.diagnosis
@@ -110,6 +121,7 @@ def find(
     *,
     channels: str | Path | None = None,
     hold_out: Sequence[str] = (),
+    hold_out_share: float = 0.0,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Found:
@@ -128,7 +140,9 @@ def find(
         diagnose as diagnose_manoeuvres,  # compiles: what cannot be read is told before
     )
 
-    findings = diagnose_manoeuvres(searched, car, hold_out=held_out, seed=seed, progress=progress)
+    findings = diagnose_manoeuvres(
+        searched, car, hold_out=held_out, hold_out_share=hold_out_share, seed=seed, progress=progress
+    )
     answer = findings.diagnosis.model_copy(
         update={
             "ratings": {

@@ -105,6 +105,7 @@ def _manoeuvres(drive: Drive, vehicle: VehicleFile) -> list[Manoeuvre]:
             origins=origins,
             start_s=float(time[begin] - time[0]),
             reading_faults=drive.faults,
+            drive=", ".join(drive.loggers),
         )
         for begin, end in stretches
     ]

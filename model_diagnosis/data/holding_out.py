@@ -1,0 +1,77 @@
+"""The last part of each drive kept apart: what is found in the first part is measured on it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import groupby
+
+from model_diagnosis.data.segmentation import SHORTEST_S
+from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from signals.errors import InputError
+
+
+def held_out_by_time(manoeuvres: Sequence[Manoeuvre], share: float) -> tuple[list[Manoeuvre], list[Manoeuvre]]:
+    """Divide drives by time: whole manoeuvres, and at most one of each drive cut in two at the border.
+
+    Parameters
+    ----------
+    manoeuvres : in the order of reading, those of one drive by rising time
+    share : of each drive's driven time, from its end, that takes no part in the search
+
+    Returns
+    -------
+    manoeuvres to search, manoeuvres held out
+
+    Raises
+    ------
+    InputError
+        If the share leaves nothing on one side.
+    """
+    if not 0.0 < share < 1.0:
+        raise InputError(
+            "hold-out share", found=f"{share:g}", allowed="above 0 and below 1", mend="0.5 is the second half"
+        )
+    searched: list[Manoeuvre] = []
+    held_out: list[Manoeuvre] = []
+    for _, drive in groupby(manoeuvres, key=lambda manoeuvre: manoeuvre.drive):
+        before, after = _divided(list(drive), share)
+        searched += before
+        held_out += after
+    if not searched or not held_out:
+        seconds = sum(manoeuvre.duration_s for manoeuvre in manoeuvres)
+        raise InputError(
+            f"hold-out share {share:g}: nothing is left {'to search' if not searched else 'to measure the gain on'}",
+            found=f"{seconds:.3g} s of manoeuvres",
+            allowed=f"parts of at least {SHORTEST_S:.0f} s on both sides",
+            mend="choose another share, or leave it out: the gain is cross-validated then",
+        )
+    return searched, held_out
+
+
+def _divided(drive: Sequence[Manoeuvre], share: float) -> tuple[list[Manoeuvre], list[Manoeuvre]]:
+    border = round((1.0 - share) * sum(manoeuvre.samples for manoeuvre in drive))
+    shortest = round(SHORTEST_S / SAMPLE_TIME_S)
+    before: list[Manoeuvre] = []
+    after: list[Manoeuvre] = []
+    passed = 0
+    for manoeuvre in drive:
+        at = border - passed
+        passed += manoeuvre.samples
+        if shortest <= at <= manoeuvre.samples - shortest:
+            before.append(_part(manoeuvre, 0, at))
+            after.append(_part(manoeuvre, at, manoeuvre.samples))
+        else:
+            (before if 2 * at > manoeuvre.samples else after).append(manoeuvre)
+    return before, after
+
+
+def _part(manoeuvre: Manoeuvre, begin: int, end: int) -> Manoeuvre:
+    """Samples ``begin`` to ``end`` as a manoeuvre of their own."""
+    first = SAMPLE_TIME_S * begin
+    return replace(
+        manoeuvre,
+        name=f"{manoeuvre.name} {'to' if begin == 0 else 'from'} {SAMPLE_TIME_S * (begin or end):.1f} s",
+        time=manoeuvre.time[begin:end] - manoeuvre.time[begin],
+        channels={name: values[begin:end] for name, values in manoeuvre.channels.items()},
+        weights={name: values[begin:end] for name, values in manoeuvre.weights.items()},
+        start_s=manoeuvre.start_s + first,
+    )

@@ -1,0 +1,57 @@
+"""The second part of each drive kept apart: every sample on one side, once, in order."""
+
+import kinematic_car as car
+import numpy as np
+import pytest
+
+from model_diagnosis.data import read_manoeuvres
+from model_diagnosis.data.holding_out import held_out_by_time
+from signals.errors import InputError
+
+
+@pytest.fixture
+def two_drives(tmp_path, vehicle, channel_map):
+    """A drive of 50 s that reading cuts in two, and one of 9 s."""
+    random = np.random.default_rng(11)
+    paths = []
+    for name, kind, seconds in (("long", "slalom", 50.0), ("short", "stop", 9.0)):
+        driven = car.drive(kind, random, seconds)
+        log = car.logged(driven, car.sensed(driven, random), random)
+        paths.append(car.write_csv(tmp_path / f"{name}.csv", log))
+    return read_manoeuvres(paths, channel_map, vehicle)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.7])
+def test_every_drive_gives_its_last_share(two_drives, share):
+    searched, held_out = held_out_by_time(two_drives, share)
+    for drive in ("long.csv", "short.csv"):
+        whole = [m for m in two_drives if m.drive == drive]
+        before = [m for m in searched if m.drive == drive]
+        after = [m for m in held_out if m.drive == drive]
+        samples = sum(m.samples for m in whole)
+        assert sum(m.samples for m in after) == pytest.approx(share * samples, abs=1)
+        for channel in ("speed", "yaw_rate"):
+            joined = np.concatenate([m.channels[channel] for m in [*before, *after]])
+            np.testing.assert_array_equal(joined, np.concatenate([m.channels[channel] for m in whole]))
+        assert max(m.start_s + m.duration_s for m in before) < min(m.start_s for m in after)
+        assert all(m.time[0] == 0.0 for m in after)
+    names = [m.name for m in [*searched, *held_out]]
+    assert len(set(names)) == len(names)
+
+
+def test_a_piece_too_short_for_a_manoeuvre_stays_with_the_rest(two_drives):
+    """10 % of 9 s are less than the 2 s of a manoeuvre: the short drive is searched whole."""
+    searched, held_out = held_out_by_time(two_drives, 0.1)
+    assert {m.drive for m in held_out} == {"long.csv"}
+    short = next(m for m in searched if m.drive == "short.csv")
+    assert short is next(m for m in two_drives if m.drive == "short.csv")
+
+
+def test_a_share_that_leaves_one_side_empty_is_refused(two_drives):
+    short = [m for m in two_drives if m.drive == "short.csv"]
+    with pytest.raises(InputError, match="to measure the gain on"):
+        held_out_by_time(short, 0.1)
+    with pytest.raises(InputError, match="to search"):
+        held_out_by_time(short, 0.9)
+    with pytest.raises(InputError, match="above 0 and below 1"):
+        held_out_by_time(short, 1.0)
