@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
@@ -76,14 +77,22 @@ def test_jobs_are_taken_only_as_workers_need_them(pool: WorkerPool, short: Scena
     assert taken <= 3 + 4 + 1  # two per worker are on the way
 
 
+def is_worker(child: psutil.Process) -> bool:
+    try:
+        return "spawn_main" in " ".join(child.cmdline())
+    except psutil.Error:  # it ended since it was listed
+        return False
+
+
 def workers_of_this_process() -> list[psutil.Process]:
-    return [child for child in psutil.Process().children() if "spawn_main" in " ".join(child.cmdline())]
+    return [child for child in psutil.Process().children() if is_worker(child)]
 
 
 def kill_workers(stop: Callable[[], bool]) -> None:
     while not stop():
         for child in workers_of_this_process():
-            child.send_signal(signal.SIGKILL)
+            with suppress(psutil.NoSuchProcess):  # it ended since it was listed
+                child.send_signal(signal.SIGKILL)
         threading.Event().wait(0.05)
 
 
