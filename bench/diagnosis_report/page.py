@@ -10,7 +10,7 @@ import numpy as np
 from bench.diagnosis_report.bars import evidence_bars, gain_bars, interval_mark
 from bench.diagnosis_report.house import house_of_equations, outside
 from bench.diagnosis_report.residual_maps import residual_maps
-from bench.diagnosis_report.signal_charts import add_signal_charts, ranked_signals
+from bench.diagnosis_report.signal_charts import add_signal_charts, ranked_signals, uncompared_signals
 from bench.diagnosis_report.timeline import Timeline
 from bench.diagnosis_report.words import (
     BADGES,
@@ -78,6 +78,7 @@ def page_of(findings: Findings) -> str:
         "terms": [_term(term) for term in diagnosis.discovered_terms],
         "evidence": evidence_bars(findings.evidence, diagnosis.threshold, diagnosis.causes),
         "ratings": rating_table(findings),
+        "uncompared": [signal_words(name) for name in uncompared_signals(timeline)],
         "insufficient": [plain(name) for name in diagnosis.insufficient],
         "separated": [plain(name) for name in diagnosis.next_manoeuvre.separates] if diagnosis.next_manoeuvre else [],
         "timing": [(plain(step), f"{seconds:.1f} s") for step, seconds in diagnosis.timing_s.items()],

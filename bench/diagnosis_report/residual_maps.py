@@ -102,7 +102,8 @@ def binned_residual(findings: Findings, signal: str, state: str) -> Binned | Non
         over.append(values[valid])
         before.append((part.measured - part.before)[valid, column])
         after.append((part.measured - part.after)[valid, column])
-    if not over or np.ptp(all_values := np.concatenate(over)) <= 0.0:
+    all_values = np.concatenate(over) if over else np.zeros(0)
+    if not len(all_values) or np.ptp(all_values) <= 0.0:
         return None
     low, high = (float(value) for value in np.quantile(all_values, [0.005, 0.995]))
     edges = np.linspace(low, high, BINS + 1)

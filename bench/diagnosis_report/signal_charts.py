@@ -27,24 +27,28 @@ def add_signal_charts(book: ChartBook, timeline: Timeline, findings: Findings) -
 
 
 def ranked_signals(timeline: Timeline, sensor_std: Mapping[str, float]) -> list[str]:
-    """Signals by their root mean squared residual over the sensor's noise, the largest first.
+    """Compared signals by their root mean squared residual over the sensor's noise, the largest first.
 
     One of each kind comes before a second one of the same kind: four wheels that tell the same are not four pictures.
+    Signals no sample of which counts (`uncompared_signals`) are left out.
     """
 
     def misfit(name: str) -> float:
         residual = residual_of(timeline, name, after=False)
-        finite = residual[np.isfinite(residual)]
-        if not len(finite):
-            return 0.0
-        return float(np.sqrt(np.mean(finite**2))) / max(sensor_std.get(name, 0.0), 1e-12)
+        return float(np.sqrt(np.nanmean(residual**2))) / max(sensor_std.get(name, 0.0), 1e-12)
 
-    ordered = sorted(timeline.signals, key=misfit, reverse=True)
+    silent = uncompared_signals(timeline)
+    ordered = sorted((name for name in timeline.signals if name not in silent), key=misfit, reverse=True)
     seen: dict[str, int] = {}
     turns = {}
     for name in ordered:
         turns[name] = seen[kind_of(name)] = seen.get(kind_of(name), 0) + 1
     return sorted(ordered, key=lambda name: turns[name])
+
+
+def uncompared_signals(timeline: Timeline) -> list[str]:
+    """Measured signals no sample of which counts: what drives them was not measured, or the car was too slow."""
+    return [name for name in timeline.signals if not np.isfinite(residual_of(timeline, name, after=False)).any()]
 
 
 def kind_of(signal: str) -> str:

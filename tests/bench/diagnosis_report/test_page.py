@@ -144,6 +144,21 @@ def test_residuals_over_a_state_that_no_data_has(findings: Findings) -> None:
     assert [len(pictures) for _, _, pictures in rows] == [4]
 
 
+def test_a_signal_no_sample_of_which_counts_is_told_and_not_drawn(findings: Findings) -> None:
+    """As the longitudinal acceleration of a log without drive torque and brake pressure."""
+    column = findings.manoeuvres[0].signals.index("longitudinal_acceleration")
+    silent = [replace(part, weights=part.weights.copy()) for part in findings.manoeuvres]
+    for part in silent:
+        part.weights[:, column] = 0.0
+    without = replace(findings, manoeuvres=silent)
+    assert "longitudinal_acceleration" not in ranked_signals(Timeline(silent), findings.sensor_std)
+    assert binned_residual(without, "longitudinal_acceleration", "pressure") is None
+    page = page_of(without)
+    assert "curve-longitudinal_acceleration" not in page
+    assert "Measured but not compared: longitudinal acceleration" in texts(page)
+    assert "Measured but not compared" not in texts(page_of(findings))
+
+
 def test_one_of_each_kind_of_signal_comes_first(findings: Findings) -> None:
     order = ranked_signals(Timeline(findings.manoeuvres), findings.sensor_std)
     kinds = [name.partition("_f")[0].partition("_r")[0] for name in order[:3]]
