@@ -6,19 +6,34 @@ between the sensors and the frames of the inertial signals.
 
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from bench.codec.codec import Transmitter
 from bench.loop.children import Child, on_helper_cores, start_module
 from bench.loop.scheduling import plan_cores
 from bench.scenario.cluster_choice import SensorClusterChoice
-from bench.sensor_cluster.microcontroller import REQUESTS, Microcontroller, Plausibility
-from bench.sensor_cluster.sensor_block import CHANNELS, SERVED, STARTUP_TRANSFERS, SensorBlock, transfer
-from bench.sensor_cluster.words import IntArray
+from bench.sensor_cluster.microcontroller import (
+    REQUESTS,
+    VALUE,
+    Microcontroller,
+    MicrocontrollerMemory,
+    Plausibility,
+    take_answers,
+)
+from bench.sensor_cluster.sensor_block import (
+    CHANNELS,
+    SERVED,
+    STARTUP_TRANSFERS,
+    FloatArray,
+    SensorBlock,
+    set_registers,
+    switch_supply,
+    transfer,
+)
+from bench.sensor_cluster.words import WORD_BYTES, IntArray
 from signals.catalogue import block_slice, index_of
 from signals.errors import RunError
 
@@ -26,11 +41,59 @@ SUPPLY, BIT_ERROR_RATE = "sensor_cluster.supply", "sensor_cluster.bit_error_rate
 START_TIMEOUT_S = 60.0
 
 
+class SpiLine(NamedTuple):
+    """Sensor block and line to it for the compiled calls, which work in place.
+
+    Attributes
+    ----------
+    registers : int64 array
+        Memory of the sensor block.
+    answers : int64 array, shape (7,)
+        Words that the master read in the cycle.
+    uniform : float64 array, shape (7, 32)
+        A number from [0, 1) for each bit of a cycle; the bit is wrong where it lies below the bit error rate.
+    """
+
+    registers: IntArray
+    answers: IntArray
+    uniform: FloatArray
+
+
 @njit(cache=True)
-def _cycle(memory: IntArray, requests: IntArray, flips: IntArray, answers: IntArray) -> None:
-    """The transfers of 1 ms; a bit of ``flips`` turns the bit of the answer."""
-    for k in range(requests.shape[0]):
-        answers[k] = transfer(memory, requests[k]) ^ flips[k]
+def _wrong_bits(uniform: FloatArray, bit_error_rate: float) -> int:
+    """Mask of the bits of a word that arrive wrong."""
+    mask = 0
+    for k in range(uniform.shape[0]):
+        if uniform[k] < bit_error_rate:
+            mask |= 1 << k
+    return mask
+
+
+@njit(cache=True)
+def _exchange(line: SpiLine, memory: MicrocontrollerMemory, bit_error_rate: float) -> bool:
+    """The transfers of 1 ms and what the microcontroller makes of them; True while every channel is valid."""
+    for k in range(REQUESTS.shape[0]):
+        wrong = _wrong_bits(line.uniform[k], bit_error_rate) if bit_error_rate > 0.0 else 0
+        line.answers[k] = transfer(line.registers, REQUESTS[k]) ^ wrong
+    return take_answers(memory, line.answers)
+
+
+@njit(cache=True)
+def _tick(
+    line: SpiLine,
+    memory: MicrocontrollerMemory,
+    sensed: FloatArray,
+    positions: IntArray,
+    supplied: bool,
+    bit_error_rate: float,
+) -> bool:
+    """Sensors' values into the block, through line and microcontroller, and back to where the frames take them."""
+    set_registers(line.registers, sensed, positions)
+    switch_supply(line.registers, supplied)
+    valid = _exchange(line, memory, bit_error_rate)
+    for k in range(positions.shape[0]):
+        sensed[positions[k]] = memory.channels[k, VALUE]
+    return valid
 
 
 class _Cluster:
@@ -38,7 +101,7 @@ class _Cluster:
 
     hears_the_bus = False
 
-    def __init__(self, block: SensorBlock, sensed: NDArray[np.float64], transmitter: Transmitter) -> None:
+    def __init__(self, block: SensorBlock, sensed: FloatArray, transmitter: Transmitter) -> None:
         first = block_slice("bus").start
         self._block = block
         self._sensed = sensed
@@ -73,38 +136,36 @@ class _Cluster:
 class SimulatedCluster(_Cluster):
     """Case B: SPI line and microcontroller are simulated; frames of implausible values are not sent."""
 
-    def __init__(
-        self, choice: SensorClusterChoice, sensed: NDArray[np.float64], transmitter: Transmitter, seed: int
-    ) -> None:
+    def __init__(self, choice: SensorClusterChoice, sensed: FloatArray, transmitter: Transmitter, seed: int) -> None:
         super().__init__(SensorBlock(), sensed, transmitter)
         self._microcontroller = Microcontroller(Plausibility(**choice.plausibility.model_dump()))
         self._random = np.random.default_rng((seed, 0x5C1))
-        self._flips = np.zeros(len(REQUESTS), np.int64)
-        self._answers = np.zeros(len(REQUESTS), np.int64)
+        words = len(REQUESTS)
+        self._line = SpiLine(self._block.memory, np.zeros(words, np.int64), np.zeros((words, 8 * WORD_BYTES)))
         self._started = False
 
     def tick(self, tick: int) -> None:
         """Values of the sensors through SPI, filter and plausibility check to those that are sent."""
-        self._block.set(self._sensed[self._positions])
-        self._block.supply(self._parameters[SUPPLY] > 0.5)
-        if not self._started:  # the car's ignition was on before the run
-            self._started = True
-            for _ in range(STARTUP_TRANSFERS // len(REQUESTS) + 100):
-                self._exchange()
-        valid = self._exchange()
-        self._sensed[self._positions] = self._microcontroller.values
-        if not valid:
+        if not self._started:
+            self._start_up()
+        memory, supplied = self._microcontroller.memory, self._parameters[SUPPLY] > 0.5
+        if not _tick(self._line, memory, self._sensed, self._positions, supplied, self._draw_errors()):
             self._transmitter.postpone(self._rows, tick)
 
-    def _exchange(self) -> bool:
+    def _start_up(self) -> None:
+        """The car's ignition was on before the run: block and check have started when it begins."""
+        self._started = True
+        self._block.set(self._sensed, self._positions)
+        self._block.supply(self._parameters[SUPPLY] > 0.5)
+        for _ in range(STARTUP_TRANSFERS // len(REQUESTS) + 100):
+            _exchange(self._line, self._microcontroller.memory, self._draw_errors())
+
+    def _draw_errors(self) -> float:
+        """Draw the numbers that decide on the bits of a cycle; returns the bit error rate."""
         rate = self._parameters[BIT_ERROR_RATE]
         if rate > 0.0:
-            wrong = self._random.random((len(REQUESTS), 32)) < rate
-            self._flips[:] = wrong @ (1 << np.arange(32, dtype=np.int64))
-        else:
-            self._flips[:] = 0
-        _cycle(self._block.memory, REQUESTS, self._flips, self._answers)
-        return self._microcontroller.take(self._answers)
+            self._random.random(out=self._line.uniform)
+        return rate
 
     def summary(self) -> dict[str, Any]:
         """Counts of the checks."""
@@ -116,7 +177,7 @@ class ExternalCluster(_Cluster):
 
     hears_the_bus = True
 
-    def __init__(self, choice: SensorClusterChoice, sensed: NDArray[np.float64], transmitter: Transmitter) -> None:
+    def __init__(self, choice: SensorClusterChoice, sensed: FloatArray, transmitter: Transmitter) -> None:
         self._folder = tempfile.TemporaryDirectory(prefix="sensor_cluster")
         self._path = Path(self._folder.name) / "registers"
         super().__init__(SensorBlock(self._path), sensed, transmitter)
@@ -150,7 +211,7 @@ class ExternalCluster(_Cluster):
 
     def tick(self, tick: int) -> None:
         """Put the sensors' values where the slave finds them; the microcontroller sends the frames."""
-        self._block.set(self._sensed[self._positions])
+        self._block.set(self._sensed, self._positions)
         self._block.supply(self._parameters[SUPPLY] > 0.5)
         self._transmitter.postpone(self._rows, tick)
 
@@ -169,7 +230,7 @@ SensorCluster = SimulatedCluster | ExternalCluster
 
 
 def sensor_cluster(
-    choice: SensorClusterChoice, sensed: NDArray[np.float64], transmitter: Transmitter, seed: int
+    choice: SensorClusterChoice, sensed: FloatArray, transmitter: Transmitter, seed: int
 ) -> SensorCluster | None:
     """The cluster that a scenario names, None without one."""
     if choice.kind == "none":

@@ -5,20 +5,18 @@ The document names these stages and no numbers (1.3, 1.7); the numbers are setti
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from bench.sensor_cluster.sensor_block import CHANNELS, FIRST_ADDRESS, RESOLUTIONS
+from bench.sensor_cluster.sensor_block import CHANNELS, FIRST_ADDRESS, RESOLUTIONS, FloatArray
 from bench.sensor_cluster.words import NORMAL, IntArray, address_of, is_intact, read_request, status_of, value_of
-
-FloatArray = NDArray[np.float64]
 
 REQUESTS = np.array([read_request(FIRST_ADDRESS + k) for k in (*range(len(CHANNELS)), 0)], np.int64)
 """Transfers of a cycle: the last one fetches the answer to the last channel."""
 
-# columns of the memory, a row per channel
+# columns of the channels
 VALUE, RAW, BAD, GOOD, VALID, UNCHANGED = range(6)
 # positions in the settings
 KEPT, RANGE, STEP, BAD_LIMIT, GOOD_LIMIT, FROZEN_LIMIT = range(6)
@@ -55,20 +53,36 @@ class Plausibility:
         return np.array([kept, *limits, self.bad_samples, self.good_samples, self.frozen_samples], np.float64)
 
 
+class MicrocontrollerMemory(NamedTuple):
+    """State of the twin for the compiled calls, which work in place.
+
+    Attributes
+    ----------
+    channels : float64 array, shape (6, 6)
+        A row per channel with the columns VALUE … UNCHANGED.
+    settings : float64 array, shape (6,)
+        From :meth:`Plausibility.settings`.
+    counts : int64 array, shape (5,)
+        What the checks found, in the order of ``COUNTS``.
+    """
+
+    channels: FloatArray
+    settings: FloatArray
+    counts: IntArray
+
+
 @njit(cache=True)
-def take_answers(
-    memory: FloatArray, settings: FloatArray, counts: IntArray, answers: IntArray, resolutions: FloatArray
-) -> bool:
+def take_answers(memory: MicrocontrollerMemory, answers: IntArray) -> bool:
     """Check and filter the answers of a cycle; True while every channel is valid.
 
     A bad sample leaves the channel's value as it is; ``BAD_LIMIT`` of them in a row make the channel invalid.
     """
-    channels = memory.shape[0]
+    channels, settings, counts = memory.channels, memory.settings, memory.counts
     changed = 0
-    for k in range(channels):
-        changed += is_intact(answers[k + 1]) and value_of(answers[k + 1]) != memory[k, RAW]
+    for k in range(channels.shape[0]):
+        changed += is_intact(answers[k + 1]) and value_of(answers[k + 1]) != channels[k, RAW]
     all_valid = True
-    for k in range(channels):
+    for k in range(channels.shape[0]):
         word = answers[k + 1]
         good = False
         if not is_intact(word) or address_of(word) != FIRST_ADDRESS + k:
@@ -76,9 +90,9 @@ def take_answers(
         elif status_of(word) != NORMAL:
             counts[STATUS] += 1
         else:
-            good = _plausible(memory[k], settings, counts, float(value_of(word)), changed)
-        _judge(memory[k], settings, good, resolutions[k])
-        all_valid = all_valid and memory[k, VALID] > 0.0
+            good = _plausible(channels[k], settings, counts, float(value_of(word)), changed)
+        _judge(channels[k], settings, good, RESOLUTIONS[k])
+        all_valid = all_valid and channels[k, VALID] > 0.0
     return all_valid
 
 
@@ -126,20 +140,21 @@ class Microcontroller:
 
     Attributes
     ----------
+    memory : MicrocontrollerMemory
+        For compiled callers.
     values : array, shape (6,)
         Filtered channels in SI units, in the order of ``CHANNELS``; a view.
     """
 
     def __init__(self, plausibility: Plausibility) -> None:
-        self._memory = np.zeros((len(CHANNELS), 6))
-        self._counts = np.zeros(len(COUNTS), np.int64)
-        self._settings = plausibility.settings()
-        self.values = self._memory[:, VALUE]
+        channels = np.zeros((len(CHANNELS), 6))
+        self.memory = MicrocontrollerMemory(channels, plausibility.settings(), np.zeros(len(COUNTS), np.int64))
+        self.values = channels[:, VALUE]
 
     def take(self, answers: IntArray) -> bool:
         """Take the seven answers of a cycle; True while all channels are valid."""
-        return bool(take_answers(self._memory, self._settings, self._counts, answers, RESOLUTIONS))
+        return bool(take_answers(self.memory, answers))
 
     def counts(self) -> dict[str, int]:
         """What the checks found since the start."""
-        return {name: int(count) for name, count in zip(COUNTS, self._counts, strict=True)}
+        return {name: int(count) for name, count in zip(COUNTS, self.memory.counts, strict=True)}

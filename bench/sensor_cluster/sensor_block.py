@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from bench.sensor_cluster.words import (
     ACCELERATION_RESOLUTION_M_S2,
@@ -20,6 +21,8 @@ from bench.sensor_cluster.words import (
     value_of,
 )
 
+FloatArray = NDArray[np.float64]
+
 CHANNELS = (
     "longitudinal_acceleration",
     "lateral_acceleration",
@@ -29,6 +32,7 @@ CHANNELS = (
     "pitch_rate",
 )
 """Signals in the order of the registers; the register of the first has address 1."""
+IN_ORDER = np.arange(len(CHANNELS))
 RESOLUTIONS = np.array([ACCELERATION_RESOLUTION_M_S2] * 3 + [RATE_RESOLUTION_RAD_S] * 3)
 FIRST_ADDRESS = 1
 
@@ -43,10 +47,20 @@ SILENT_LINE = 0xFFFFFFFF
 
 
 @njit(cache=True)
-def set_registers(memory: IntArray, values: np.ndarray, resolutions: np.ndarray) -> None:
-    """Put sensor values in SI units into the registers, rounded and saturated to 16 bits."""
-    for k in range(values.shape[0]):
-        raw = np.rint(values[k] / resolutions[k]) if np.isfinite(values[k]) else 32767.0
+def set_registers(memory: IntArray, values: FloatArray, positions: IntArray) -> None:
+    """Put sensor values in SI units into the registers, rounded and saturated to 16 bits.
+
+    Parameters
+    ----------
+    memory : int64 array, shape (MEMORY_SIZE,)
+    values : float64 array
+        Where the values stand, among others.
+    positions : int64 array, shape (6,)
+        Place of each of ``CHANNELS`` in ``values``.
+    """
+    for k in range(positions.shape[0]):
+        value = values[positions[k]]
+        raw = np.rint(value / RESOLUTIONS[k]) if np.isfinite(value) else 32767.0
         memory[FIRST_ADDRESS + k] = int(min(max(raw, -32768.0), 32767.0))
 
 
@@ -98,9 +112,9 @@ class SensorBlock:
                 self._map = mmap.mmap(file.fileno(), 8 * MEMORY_SIZE)
             self.memory = np.frombuffer(self._map, np.int64)
 
-    def set(self, values: np.ndarray) -> None:
-        """Sensor values in the order of ``CHANNELS``, SI units, shape (6,)."""
-        set_registers(self.memory, values, RESOLUTIONS)
+    def set(self, values: FloatArray, positions: IntArray = IN_ORDER) -> None:
+        """Take sensor values in SI units; ``positions`` of ``CHANNELS`` in them, by default just these in order."""
+        set_registers(self.memory, values, positions)
 
     def supply(self, on: bool) -> None:
         """Switch the relay."""
