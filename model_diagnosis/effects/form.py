@@ -24,11 +24,40 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         EffectParameter("pitch", "1", -1.0, 0.3, 0.5, 0.5),
     ),
     _form(
+        "form_guide_lean",
+        Group.SUSPENSION,
+        "wheels move along (1 + d) of the body's lean: real links keep them more upright than a slide in the body",
+        _MOTION,
+        EffectParameter("share", "1", -1.0, 0.5, 0.5, 0.5),
+    ),
+    _form(
+        "form_weight_arm",
+        Group.BODY,
+        "the weight tips the body by m g (h - R + d): it turns about its wheels' axes, its roll axis or the ground",
+        ("roll_rate", "pitch_rate"),
+        EffectParameter("roll", "m", -0.2, 0.4, 0.1, 0.1, relative=False),
+        EffectParameter("pitch", "m", -0.2, 0.4, 0.1, 0.1, relative=False),
+    ),
+    _form(
+        "form_transient",
+        Group.TYRE,
+        "a share d of the relaxation lengths lets the force follow, the rest lets the slip: apart near the limit",
+        (*_MOTION, "wheel_speed_fl", "wheel_speed_fr", "wheel_speed_rl", "wheel_speed_rr"),
+        EffectParameter("share", "1", 0.0, 1.0, 0.5, 0.5),
+    ),
+    _form(
+        "form_trail",
+        Group.TYRE,
+        "n = n_0 (1 - s/s_peak)(1 + d s/s_peak): straight down to the peak (brush), or a parabola (d = 1)",
+        _MOTION,
+        EffectParameter("bulge", "1", -1.0, 3.0, 1.0, 1.0),
+    ),
+    _form(
         "form_tyre_spring",
         Group.TYRE,
-        "k_t <- (1 + d) k_t, the vertical stiffness that acts in series with the springs",
+        "1/k_t <- (1 + d)/k_t, the tyre's vertical compliance in series with the springs: -1 is a rigid tyre",
         ("roll_rate", "pitch_rate"),
-        EffectParameter("stiffness", "1", -0.6, 12.0, 1.0, 1.0),
+        EffectParameter("compliance", "1", -0.98, 3.0, 0.5, 0.5),
     ),
     _form(
         "form_body_inertia",
@@ -48,16 +77,24 @@ FORM_EFFECTS: tuple[Effect, ...] = (
     _form(
         "form_lag",
         Group.SENSOR,
-        "tau <- tau + d of accelerometers, gyro, wheel speeds and steering",
+        "tau <- tau + d of accelerometers, gyro, wheel speeds, speed and steering; loggers align by whole samples",
         _MOTION,
         EffectParameter("accelerometer", "s", -0.003, 0.02, 0.003, 0.003, relative=False),
         EffectParameter("gyro", "s", -0.02, 0.02, 0.003, 0.003, relative=False),
         EffectParameter("wheel_speed", "s", -0.02, 0.02, 0.003, 0.003, relative=False),
+        EffectParameter("speed", "s", -0.02, 0.02, 0.003, 0.003, relative=False),
         EffectParameter("steering", "1", -0.9, 4.0, 0.3, 0.3),
     ),
 )
 
 FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
+    _form(
+        "form_return",
+        Group.HYDRAULICS,
+        "p falls to a lower supply by tau dp/dt = p_supply - p, past a check valve that throttles",
+        ("brake_pressure_fl", "brake_pressure_fr", "brake_pressure_rl", "brake_pressure_rr"),
+        EffectParameter("lag", "s", 0.0, 0.05, 0.01, 0.01, relative=False),
+    ),
     _form(
         "form_booster",
         Group.HYDRAULICS,

@@ -43,7 +43,7 @@ def move_body(p: Record, s: Record, step: float) -> None:
         force_x = s.tyre_x[i]
         change += (p.guide_brake[i] if force_x < 0.0 else p.guide_drive[i]) * force_x
         # the wheel travels along the body's z axis, which leans with the body
-        change += (p.guide_side[i] + s.roll) * s.tyre_y[i] - s.pitch * force_x
+        change += (p.guide_side[i] + p.guide_lean * s.roll) * s.tyre_y[i] - p.guide_lean * s.pitch * force_x
         change = max(change, -p.static_load[i])
         s.load[i], s.travel[i], s.travel_rate[i] = p.static_load[i] + change, travel, rate
         up += change
@@ -51,11 +51,11 @@ def move_body(p: Record, s: Record, step: float) -> None:
         left_up += y * change
         s.spin_momentum += p.spin_inertia[i] * s.spin[i]
         about_wheels += p.spin_inertia[i] * s.spin_rate[i] + s.rolling_torque[i]
-    weight_arm = p.mass * GRAVITY * (p.height - p.radius[0])
+    weight, arm = p.mass * GRAVITY, p.height - p.radius[0]
     drag = p.drag * speed * speed
-    nose_down += weight_arm * s.pitch - about_wheels
+    nose_down += weight * (arm + p.pitch_weight_arm) * s.pitch - about_wheels
     nose_down -= p.height * (s.force_x + drag) + (p.drag_height - p.height) * drag
-    left_up += weight_arm * s.roll + p.height * s.force_y + s.yaw_rate * s.spin_momentum
+    left_up += weight * (arm + p.roll_weight_arm) * s.roll + p.height * s.force_y + s.yaw_rate * s.spin_momentum
     s.heave_rate += step * up * p.inverse_sprung
     s.pitch_rate += step * nose_down * p.inverse_pitch
     s.roll_rate += step * left_up * p.inverse_roll
@@ -88,7 +88,8 @@ def move_in_plane(p: Record, s: Record, step: float) -> None:
     along, across, turn = force_x * p.inverse_mass, force_y * p.inverse_mass, s.yaw_rate
     acceleration_x = along + s.lateral_speed * turn - GRAVITY * (p.grade + s.grade)
     acceleration_y = across - s.speed * turn - GRAVITY * (p.bank + s.bank)
-    s.yaw_acceleration = (moment - s.roll_rate * s.spin_momentum) * p.inverse_yaw
+    s.yaw_acceleration = (moment - p.guide_lean * s.roll_rate * s.spin_momentum) * p.inverse_yaw
+    s.speed_rate = acceleration_x
     s.speed = max(s.speed + step * acceleration_x, 0.0)
     s.lateral_speed += step * acceleration_y
     s.yaw_rate += step * s.yaw_acceleration

@@ -132,11 +132,16 @@ def _form_changes() -> dict[str, tuple[_Change, ...]]:
     return {
         "form_contact_scrub.roll": (_absolute("roll_scrub"),),
         "form_contact_scrub.pitch": (_absolute("pitch_scrub"),),
-        "form_tyre_spring.stiffness": (_relative("vertical_stiffness", ALL),),
+        "form_guide_lean.share": (_absolute("guide_lean"),),
+        "form_transient.share": (_absolute("lag_on_force"),),
+        "form_trail.bulge": (_absolute("trail_bulge"),),
+        "form_weight_arm.roll": (_absolute("roll_weight_arm"),),
+        "form_weight_arm.pitch": (_absolute("pitch_weight_arm"),),
         "form_body_inertia.roll": (_relative("roll_inertia"),),
         "form_body_inertia.pitch": (_relative("pitch_inertia"),),
         "form_lag.accelerometer": (_absolute("accelerometer_lag", least=0.0),),
         "form_lag.gyro": (_absolute("gyro_lag"),),
+        "form_lag.speed": (_absolute("speed_lag"),),
         "form_lag.wheel_speed": (_absolute("wheel_speed_lag"),),
         "form_lag.steering": (_relative("steering_damping"),),
     }
@@ -185,6 +190,10 @@ def _ratio(entry: np.void, deviation: float) -> None:
     entry["steering_scale"] /= 1.0 + deviation
 
 
+def _tyre_compliance(entry: np.void, deviation: float) -> None:
+    entry["vertical_stiffness"] /= 1.0 + deviation
+
+
 def _damper_split(entry: np.void, share: float) -> None:
     """Damping moved from rebound to compression, their sum as before."""
     moved = share * entry["compression_damping"]
@@ -200,6 +209,7 @@ _CHANGES: Mapping[str, tuple[_Change, ...]] = {
 }
 _LAWS: Mapping[str, Callable[[np.void, float], None]] = {
     "form_damper_split.share": _damper_split,
+    "form_tyre_spring.compliance": _tyre_compliance,
     "anti_dive_anti_lift.front": _support(FRONT),
     "anti_dive_anti_lift.rear": _support(REAR),
     "aero_lift_front_rear.front": _lift("lift_front"),

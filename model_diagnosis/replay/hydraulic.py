@@ -18,6 +18,7 @@ from model_diagnosis.effects.form import FORM_HYDRAULICS_EFFECTS
 from model_diagnosis.effects.hydraulics import HYDRAULICS_EFFECTS
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.hydraulic_run import hydraulic_run
+from model_diagnosis.replay.smoothing import without_noise
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -30,6 +31,9 @@ _KNEE_PA = 8e6
 """Knee of a booster whose vehicle file has none."""
 
 _CORNERING_M_S2 = 4.0
+_DEAD_BAND = 3.0
+_THRESHOLD = "hydraulics.pressure_change_threshold"
+_EVERY_CHANGE_PA = 1e3
 _PUMP_SAMPLES = 50
 _VALVES = ("inlet", "outlet")
 
@@ -52,7 +56,7 @@ class HydraulicLog:
 
     Attributes
     ----------
-    master, pedal : (n,) Pa and N; None where not measured
+    master, pedal : (n,) Pa and N, without noise; None where not measured
     inlet, outlet, pump : (n, 4), (n, 4), (n,); the valves at rest where not measured
     commanded : True where the valve commands were measured
     wheel_speed : (n, 4) rad/s
@@ -84,8 +88,8 @@ def read_hydraulics(manoeuvre: Manoeuvre) -> HydraulicLog | None:
     assumed = np.convolve(active, np.ones(_PUMP_SAMPLES), "full")[:n] > 0.0
     lateral = channels.get("lateral_acceleration", np.zeros(n))
     return HydraulicLog(
-        master=channels.get("master_pressure"),
-        pedal=channels.get("pedal_force"),
+        master=_driving(channels, "master_pressure"),
+        pedal=_driving(channels, "pedal_force"),
         inlet=inlet,
         outlet=outlet,
         pump=channels.get("pump", assumed.astype(np.float64)),
@@ -95,12 +99,24 @@ def read_hydraulics(manoeuvre: Manoeuvre) -> HydraulicLog | None:
     )
 
 
+def _driving(channels: Mapping[str, FloatArray], name: str) -> FloatArray | None:
+    """Channel as an input, without its sensor's noise: a brake that lets fluid back fast follows its lowest values."""
+    return without_noise(channels[name]) if name in channels else None
+
+
 class HydraulicReplay:
-    """Booster and hydraulic unit of a vehicle."""
+    """Booster and hydraulic unit of a vehicle.
+
+    Attributes
+    ----------
+    flows : True if pressures follow every change of their supply, as in real valves; False if only changes beyond the
+        vehicle file's threshold begin a new segment, as in the friction document's unit (2.6)
+    """
 
     def __init__(self, vehicle: VehicleFile) -> None:
         numbers = vehicle.numbers("brakes") | vehicle.numbers("hydraulics")
         self._values = {parameter.path: numbers.get(parameter.path, parameter.default) for parameter in PARAMETERS}
+        self.flows = False
         self._booster_gain = vehicle.brakes.booster_gain
         self._knee = numbers.get("brakes.booster_knee_pressure", _KNEE_PA)
         self._slope_loss = numbers.get("brakes.booster_slope_loss", 0.0)
@@ -126,6 +142,7 @@ class HydraulicReplay:
         measured: FloatArray,
         valid: FloatArray,
         gain: float = GAIN,
+        noise: float = 0.0,
     ) -> FloatArray:
         """Wheel pressures (n, 4) [Pa], each sample before its correction.
 
@@ -134,10 +151,13 @@ class HydraulicReplay:
         deviations : by column; those of other parts are passed over
         measured, valid : (n, 4) pressures that the observer corrects on, 1 where they hold
         gain : of the observer per sample; 0 for a free run
+        noise : standard deviation of the measured pressures' noise [Pa]; up to three of it correct nothing
         """
         master = log.master if log.master is not None else self.master(deviations, log)
         values = self._changed(deviations)
         volume = deviations.get("brake_knock_back.volume", 0.0)
+        throttled = deviations.get("form_return.lag", 0.0)
+        return_kept = float(np.exp(-STEP_S / throttled)) if throttled > 0.0 else 0.0
         total = np.zeros((len(master), 4))
         out = np.empty_like(total)
         # dead times of valves that nobody switches say nothing: one run instead of four
@@ -148,7 +168,7 @@ class HydraulicReplay:
             record[0]["logic"][:] = LOGICS["abs"]().table.reshape(-1)
             hydraulic_run(
                 record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump, log.wheel_speed,
-                log.cornering, measured, valid, volume, gain, out,
+                log.cornering, measured, valid, volume, return_kept, gain, _DEAD_BAND * noise, out,
             )  # fmt: skip
             total += share * out
         return total
@@ -163,6 +183,8 @@ class HydraulicReplay:
                 if fnmatchcase(path, parameter.vehicle_path):
                     changed = values[path] * (1.0 + deviation) if parameter.relative else values[path] + deviation
                     values[path] = max(changed, 0.0)
+        if self.flows:
+            values[_THRESHOLD] = min(values[_THRESHOLD], _EVERY_CHANGE_PA)
         return values
 
 

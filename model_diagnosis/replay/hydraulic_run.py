@@ -1,5 +1,7 @@
 """The vehicle's hydraulic unit replayed with measured master pressure and valve commands, compiled."""
 
+import math
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -38,6 +40,14 @@ def _fill_gap(p: Record, s: Record, wheel: int, before: float, gap: float) -> fl
 
 
 @njit(cache=True, nogil=True)
+def _throttle_return(s: Record, wheel: int, before: float, supply: float, kept: float) -> None:
+    """Keep the share ``kept`` of what a wheel's pressure has beyond a supply that it returns to."""
+    slowest = supply + kept * (before - supply)
+    if before > supply and s.pressure[wheel] < slowest:
+        _set_pressure(s, wheel, slowest)
+
+
+@njit(cache=True, nogil=True)
 def hydraulic_run(
     parameters: NDArray[np.void],
     memory: NDArray[np.void],
@@ -50,7 +60,9 @@ def hydraulic_run(
     measured: NDArray[np.float64],
     valid: NDArray[np.float64],
     gap_volume: float,
+    return_kept: float,
     gain: float,
+    dead_band: float,
     out: NDArray[np.float64],
 ) -> None:
     """Wheel pressures before each sample's correction.
@@ -66,7 +78,10 @@ def hydraulic_run(
     cornering : (n,) True where the pads are pushed back
     measured, valid : (n, 4) pressures [Pa] on which the observer corrects, and 1 where they hold
     gap_volume : m^3, behind the pads after cornering
+    return_kept : share of the pressure beyond the supply that is left 1 ms later; 0 where it returns at once
     gain : of the observer, per sample
+    dead_band : difference [Pa] up to which the observer leaves the pressure alone. Noise above the supply flows back at
+        once and noise below it is filled up slowly: corrected on, it would lower the mean
     out : (n, 4) Pa
     """
     p = parameters[0]
@@ -83,6 +98,16 @@ def hydraulic_run(
                 supply = master[k - 1] + (tick + 1) / TICKS * (master[k] - master[k - 1])
                 before_0, before_1, before_2, before_3 = s.pressure[0], s.pressure[1], s.pressure[2], s.pressure[3]
                 hcu_step(p, s, inlet[nearest], outlet[nearest], wheel_speed[nearest], unused, supply, pump[nearest])
+                if return_kept > 0.0:
+                    energised = outlet[nearest]
+                    if energised[0] < 0.5:
+                        _throttle_return(s, 0, before_0, supply, return_kept)
+                    if energised[1] < 0.5:
+                        _throttle_return(s, 1, before_1, supply, return_kept)
+                    if energised[2] < 0.5:
+                        _throttle_return(s, 2, before_2, supply, return_kept)
+                    if energised[3] < 0.5:
+                        _throttle_return(s, 3, before_3, supply, return_kept)
                 if gap_volume > 0.0:
                     gap[0] = _fill_gap(p, s, 0, before_0, gap[0])
                     gap[1] = _fill_gap(p, s, 1, before_1, gap[1])
@@ -91,6 +116,8 @@ def hydraulic_run(
         for i in range(4):
             out[k, i] = s.pressure[i]
             if valid[k, i] > 0.0:
-                _set_pressure(s, i, max(s.pressure[i] + gain * (measured[k, i] - s.pressure[i]), 0.0))
+                apart = measured[k, i] - s.pressure[i]
+                if abs(apart) > dead_band:
+                    _set_pressure(s, i, max(s.pressure[i] + gain * (apart - math.copysign(dead_band, apart)), 0.0))
             if cornering[k] and s.pressure[i] < _RELEASED_PA:
                 gap[i] = gap_volume

@@ -1,5 +1,6 @@
 """What a replay keeps of each manoeuvre: signals to compare, weights, inputs, what the observer corrects on."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay.hydraulic import HydraulicLog, read_hydraulics
 from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of, turning
 from model_diagnosis.replay.record import CORRECTED, OUTPUTS
+from model_diagnosis.replay.smoothing import without_noise
 from signals.errors import InputError
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
@@ -54,6 +56,7 @@ class Prepared:
     measured, weights : (n, c)
     corrected, valid : (n, 6) signals of ``CORRECTED`` and 1 where they hold
     start : (2,) speed and yaw rate at the first sample
+    driving : channels as they drive the replay: pressures without their sensors' noise
     hydraulics : None where the log tells nothing of them
     pressure_known, pressure_valid : True where all wheel pressures were measured; (n, 4) 1 where they hold
     carriers : (n, 4) phases of the tone rings; None without wheel speeds
@@ -67,6 +70,7 @@ class Prepared:
     corrected: FloatArray
     valid: FloatArray
     start: FloatArray
+    driving: Mapping[str, FloatArray]
     inputs: Inputs
     hydraulics: HydraulicLog | None
     pressure_known: bool
@@ -102,7 +106,11 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> Prepared:
             allowed="all four wheel speeds, or speed",
             mend="map them in the channel map",
         )
-    inputs = read_inputs(manoeuvre, channels, vehicle)
+    driving = {
+        name: without_noise(values) if name in (*PRESSURES, "master_pressure") else values
+        for name, values in channels.items()
+    }
+    inputs = read_inputs(manoeuvre, driving, vehicle)
     moving = tuple(name for name in COMPARED if name in channels and manoeuvre.weight(name).any())
     hydraulics = read_hydraulics(manoeuvre)
     known = all(name in channels for name in PRESSURES)
@@ -124,6 +132,7 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> Prepared:
         corrected=corrected,
         valid=valid,
         start=start_of(manoeuvre, vehicle),
+        driving=driving,
         inputs=inputs,
         hydraulics=hydraulics,
         pressure_known=known,

@@ -70,9 +70,15 @@ _NUMBERS = (
     # sensors
     "accelerometer_lag",
     "gyro_lag",
+    "speed_lag",
     "wheel_speed_lag",
     "roll_scrub",  # share of the body's roll rate and pitch rate that moves the contact patches
     "pitch_scrub",
+    "guide_lean",  # share of the body's lean that turns the wheels' guides
+    "lag_on_force",  # share of the relaxation lengths along which the force follows, not the slip
+    "trail_bulge",  # how much longer the trail stays than along a straight line to the peak
+    "roll_weight_arm",  # m, beyond the height over the wheels' axes
+    "pitch_weight_arm",
     "place_x",
     "place_y",
 )

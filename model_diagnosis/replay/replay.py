@@ -131,6 +131,10 @@ class Replay:
         self._car: NominalCar = nominal_car(vehicle)
         self._hydraulics = HydraulicReplay(vehicle)
         self._prepared = [prepare(manoeuvre, vehicle) for manoeuvre in self.manoeuvres]
+        by_steps = self._pressure_misfit()
+        self._hydraulics.flows = True
+        # which of the two the measured car has is a matter of form: the nearer one is taken, for all manoeuvres alike
+        self._hydraulics.flows = self._pressure_misfit() < by_steps
 
     @property
     def tyre_error(self) -> tuple[float, float]:
@@ -251,9 +255,26 @@ class Replay:
             return None
         measured = np.zeros((prepared.manoeuvre.samples, 4))
         if prepared.pressure_known:
-            measured = np.ascontiguousarray(self._inputs(deviations, prepared, None)[:, :4])
+            # what the observer corrects on keeps its noise: without it, it would know of samples still to come
+            manoeuvre = prepared.manoeuvre
+            reported = true_inputs(deviations, manoeuvre.time, manoeuvre.channels)
+            measured = np.stack([reported[name] for name in PRESSURES], axis=1)
         gain = 0.0 if free else PRESSURE_GAIN
-        return self._hydraulics.wheels(deviations, log, measured, prepared.pressure_valid, gain)
+        noise = own_noise(self.vehicle, PRESSURES[0])
+        return self._hydraulics.wheels(deviations, log, measured, prepared.pressure_valid, gain, noise)
+
+    def _pressure_misfit(self) -> float:
+        """Sum of squares of what the hydraulic unit without deviations leaves of the wheels' pressures [Pa^2]."""
+        total = 0.0
+        for prepared in self._prepared:
+            if not prepared.replays_pressures:
+                continue
+            predicted = self._pressures({}, prepared)
+            assert predicted is not None
+            places = [prepared.signals.index(name) for name in PRESSURES]
+            left = prepared.weights[:, places] * (prepared.measured[:, places] - predicted)
+            total += float(np.sum(left**2))
+        return total
 
     def _inputs(self, deviations: Mapping[str, float], prepared: Prepared, pressures: FloatArray | None) -> FloatArray:
         """Inputs of the car: measured pressures freed of their sensors' effects, or those of the hydraulic unit."""
@@ -261,9 +282,9 @@ class Replay:
         if prepared.pressure_known or pressures is None:
             if not any(column.startswith("pressure_sensor_") for column in deviations):
                 return prepared.inputs.values
-            channels = true_inputs(deviations, manoeuvre.time, manoeuvre.channels)
+            channels = true_inputs(deviations, manoeuvre.time, prepared.driving)
             return read_inputs(manoeuvre, channels, self.vehicle).values
-        channels = dict(manoeuvre.channels)
+        channels = dict(prepared.driving)
         channels |= {name: pressures[:, k] for k, name in enumerate(PRESSURES)}
         return read_inputs(manoeuvre, channels, self.vehicle).values
 

@@ -65,7 +65,7 @@ def _read_inputs(s: Record, before: NDArray[np.float64], after: NDArray[np.float
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _write_outputs(p: Record, s: Record, out: NDArray[np.float64]) -> None:
-    """All outputs (``OUTPUTS``) at this instant; sensors of wheel speeds and yaw rate lag by a constant time."""
+    """All outputs (``OUTPUTS``) at this instant; sensors of wheel speeds, speed and yaw rate lag by a constant time."""
     for i in range(4):
         out[i] = s.spin[i] - p.wheel_speed_lag * s.spin_rate[i]
         out[4 + i] = s.load[i]
@@ -74,7 +74,7 @@ def _write_outputs(p: Record, s: Record, out: NDArray[np.float64]) -> None:
         out[20 + i], out[24 + i] = s.slip_x[i], -np.arctan(s.slip_y[i])
         out[28 + i], out[32 + i], out[36 + i] = s.disc_temperature[i], s.brake_torque[i], s.drive_torque[i]
         out[40 + i] = s.angle[i]
-    out[_SPEED], out[_SPEED + 1] = s.speed, s.lateral_speed
+    out[_SPEED], out[_SPEED + 1] = s.speed - p.speed_lag * s.speed_rate, s.lateral_speed
     out[_YAW_RATE] = s.yaw_rate - p.gyro_lag * s.yaw_acceleration
     out[_YAW_RATE + 1], out[_YAW_RATE + 2] = s.acceleration_x, s.acceleration_y
     out[_ROLL_RATE], out[_ROLL_RATE + 1] = s.roll_rate, s.pitch_rate

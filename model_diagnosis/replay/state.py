@@ -9,6 +9,7 @@ from model_diagnosis.replay.record import CELLS
 
 _BODY = (
     "speed",
+    "speed_rate",
     "lateral_speed",
     "yaw_rate",
     "yaw_acceleration",
@@ -50,6 +51,8 @@ _WHEELS = (
     "cosine",
     "clamping",  # pressure behind the hysteresis
     "lagged_torque",
+    "lagged_force_x",
+    "lagged_force_y",
     "brake_torque",
     "drive_torque",
     "rolling_torque",

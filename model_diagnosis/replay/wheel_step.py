@@ -33,7 +33,7 @@ def steer_wheels(p: Record, s: Record, step: float) -> None:
             full = math.atan2(tangent, 1.0 + side * tangent * p.track_front / (2.0 * p.wheelbase))
             wanted += p.ackermann * (full - angle)
         # the linkage holds the tyre's moment and turns the spinning wheel with the body's roll
-        wanted += (s.aligning[i] - s.roll_rate * p.spin_inertia[i] * s.spin[i]) / p.steering_stiffness
+        wanted += (s.aligning[i] - p.guide_lean * s.roll_rate * p.spin_inertia[i] * s.spin[i]) / p.steering_stiffness
         actual = (p.steering_lag * s.angle[i] + step * wanted) / (p.steering_lag + step)
         s.angle[i], s.sine[i], s.cosine[i] = actual, math.sin(actual), math.cos(actual)
 
@@ -68,9 +68,14 @@ def move_wheel(
     turn, omega = s.yaw_rate, s.spin[i]
     # body's turning carries the contact along, and so does the wheel's travel on its leaning guide
     rate = s.travel_rate[i]
-    at_x = s.speed - turn * p.wheel_y[i] - p.pitch_scrub * p.height * s.pitch_rate + (s.pitch - p.guide_brake[i]) * rate
+    at_x = (
+        s.speed
+        - turn * p.wheel_y[i]
+        - p.pitch_scrub * p.height * s.pitch_rate
+        + (p.guide_lean * s.pitch - p.guide_brake[i]) * rate
+    )
     at_y = s.lateral_speed + turn * p.wheel_x[i] + p.roll_scrub * p.height * s.roll_rate
-    at_y -= (s.roll + p.guide_side[i]) * rate
+    at_y -= (p.guide_lean * s.roll + p.guide_side[i]) * rate
     sine, cosine = s.sine[i], s.cosine[i]
     v_x, v_y = cosine * at_x + sine * at_y, cosine * at_y - sine * at_x
     radius = p.radius[i] - p.radius_load * (load - p.static_load[i]) + p.radius_speed * v_x * v_x
@@ -83,8 +88,9 @@ def move_wheel(
     slip_slope = radius * inverse * (v_x * inverse if roll >= divisor and v_x > 0.0 else 1.0)
     way = step * divisor
     # the mean of before and after the step follows the slip, where the step is short enough for that
-    weight_x = min(way / (p.relaxation_x[i] + 0.5 * way), 1.0)
-    weight_y = min(way / (p.relaxation_y[i] + 0.5 * way), 1.0)
+    on_slip = 1.0 - p.lag_on_force
+    weight_x = min(way / (on_slip * p.relaxation_x[i] + 0.5 * way), 1.0)
+    weight_y = min(way / (on_slip * p.relaxation_y[i] + 0.5 * way), 1.0)
     slip_x = s.lagged_x[i] + weight_x * (now_x - s.lagged_x[i])
     slip_y = s.lagged_y[i] + weight_y * (now_y - s.lagged_y[i])
     slip_slope *= weight_x
@@ -109,9 +115,16 @@ def move_wheel(
     )
     force_y += p.camber_stiffness * p.camber_angle * load + p.conicity
     slope = max(slope * inverse_x * slip_slope, 0.0)
+    if p.lag_on_force != 0.0:
+        weight_x = way / (p.lag_on_force * p.relaxation_x[i] + way)
+        weight_y = way / (p.lag_on_force * p.relaxation_y[i] + way)
+        force_x = s.lagged_force_x[i] + weight_x * (force_x - s.lagged_force_x[i])
+        force_y = s.lagged_force_y[i] + weight_y * (force_y - s.lagged_force_y[i])
+        s.lagged_force_x[i], s.lagged_force_y[i] = force_x, force_y
+        slope *= weight_x
     force_x = _spin(p, s, i, step, load, radius, force_x, slope)
     s.tyre_x[i], s.tyre_y[i] = force_x, force_y
-    s.aligning[i] = -p.trail[i] * max(1.0 - relative, 0.0) * force_y
+    s.aligning[i] = -p.trail[i] * max(1.0 - relative, 0.0) * (1.0 + p.trail_bulge * relative) * force_y
     if p.heat_fade != 0.0:
         heat = abs(force_x * slide_x) + abs(force_y * v_y)
         s.tyre_heat[i] += step * (0.5 * heat / _TREAD_HEAT_J_K - s.tyre_heat[i] * _TREAD_COOLING_1_S)

@@ -1,0 +1,60 @@
+"""Inputs of the replay without their sensors' noise.
+
+What drives the replay goes through valves that let fluid one way and pads that only press: both make a mean pressure
+out of noise, so that a noisy input drives another car than the one that was measured. Each sample is the middle of the
+straight line through the widest window about it that the noise alone explains (Lepski's rule for the width); flanks
+keep every sample.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+HALF_WIDTHS = (2, 4, 8, 16)
+"""Half widths of the windows in samples."""
+
+_ALLOWED_SPREADS = 3.0
+"""Standard deviations of a chi-square over its freedoms, up to which noise explains the residual variance."""
+
+_MEDIAN_OF_NORMAL = 0.6745
+
+
+def noise_of(values: FloatArray) -> float:
+    """Standard deviation of the white noise in (n,) samples, from their second differences; 0 below five samples."""
+    if len(values) < 5:
+        return 0.0
+    second = np.diff(values, 2)
+    moving = np.abs(second[second != 0.0])
+    return float(np.median(moving) / (_MEDIAN_OF_NORMAL * np.sqrt(6.0))) if len(moving) else 0.0
+
+
+def without_noise(values: FloatArray) -> FloatArray:
+    """Samples (n,) without noise; those of a flank, where a straight line does not fit, stay as they are."""
+    noise = noise_of(values)
+    kept: FloatArray = values.copy()
+    if noise == 0.0:
+        return kept
+    growing = np.ones(len(values), dtype=np.bool_)
+    for half in HALF_WIDTHS:
+        if len(values) <= 2 * half:
+            break
+        line, spread = _local_lines(values, half)
+        allowed = 1.0 + _ALLOWED_SPREADS * np.sqrt(2.0 / (2 * half - 1))
+        growing &= spread <= allowed * noise**2
+        kept[growing] = line[growing]
+    return kept
+
+
+def _local_lines(values: FloatArray, half: int) -> tuple[FloatArray, FloatArray]:
+    """Straight line at the middle of each window (n,), and the residual variance in the window; inf at the ends."""
+    count = 2 * half + 1
+    offsets = np.arange(-half, half + 1)
+    windows = np.lib.stride_tricks.sliding_window_view(values, count)
+    mean = windows.mean(axis=1)
+    slope = windows @ offsets / float(offsets @ offsets)
+    left = windows - mean[:, None] - slope[:, None] * offsets
+    line, spread = values.copy(), np.full(len(values), np.inf)
+    line[half:-half] = mean
+    spread[half:-half] = np.sum(left**2, axis=1) / (count - 2)
+    return line, spread

@@ -1,0 +1,58 @@
+"""What drives the replay: noise is taken out of it, flanks are not."""
+
+import numpy as np
+import pytest
+
+from model_diagnosis.replay.smoothing import HALF_WIDTHS, noise_of, without_noise
+
+NOISE = 3e4
+"""A series pressure sensor's, Pa."""
+
+
+def followed(master: np.ndarray, step_s: float = 0.01) -> np.ndarray:
+    """Wheel pressure behind a valve that fills it slowly and empties it fast (50 ms and 10 ms, friction document 2.6)."""
+    wheel = np.empty_like(master)
+    wheel[0] = master[0]
+    for k in range(1, len(master)):
+        time_constant = 0.05 if master[k] > wheel[k - 1] else 0.01
+        wheel[k] = wheel[k - 1] + (1.0 - np.exp(-step_s / time_constant)) * (master[k] - wheel[k - 1])
+    return wheel
+
+
+def test_noise_is_estimated_on_a_ramp() -> None:
+    rng = np.random.default_rng(1)
+    values = 1e5 * np.arange(4000) + NOISE * rng.standard_normal(4000)
+    # a median of absolute values of n normal samples scatters by 1.17/sqrt(n); second differences are correlated
+    assert noise_of(values) == pytest.approx(NOISE, rel=0.06)
+
+
+def test_a_held_pressure_keeps_its_mean_behind_a_one_way_valve() -> None:
+    rng = np.random.default_rng(2)
+    held = 1.8e6 + NOISE * rng.standard_normal(2000)
+    raw, quiet = followed(held)[100:], followed(without_noise(held))[100:]
+    assert raw.mean() < 1.8e6 - 0.4 * NOISE  # the valve follows the lowest values
+    assert abs(quiet.mean() - 1.8e6) < 0.1 * NOISE
+
+
+def test_the_widest_window_averages_all_its_samples() -> None:
+    rng = np.random.default_rng(3)
+    quiet = without_noise(NOISE * rng.standard_normal(20_000))
+    wide = 2 * HALF_WIDTHS[-1] + 1
+    # most samples are the mean of 33; where chance makes noise look like more, a narrower window stands
+    assert float(np.median(np.abs(quiet))) / 0.6745 == pytest.approx(NOISE / np.sqrt(wide), rel=0.15)
+
+
+def test_flanks_of_an_abs_cycle_stay_as_they_are() -> None:
+    rng = np.random.default_rng(4)
+    saw = 4e6 + 2e6 * np.abs(np.mod(np.arange(600) / 12.0, 2.0) - 1.0)
+    noisy = saw + NOISE * rng.standard_normal(600)
+    error = without_noise(noisy) - saw
+    assert float(np.std(error)) < 1.3 * NOISE
+    assert abs(float(error.mean())) < 0.2 * NOISE
+
+
+def test_samples_without_noise_and_short_stretches_are_handed_through() -> None:
+    ramp = np.linspace(0.0, 5e6, 200)
+    np.testing.assert_allclose(without_noise(ramp), ramp, atol=1e-6)
+    few = np.array([1.0, 2.0, 4.0])
+    assert np.array_equal(without_noise(few), few)
