@@ -8,10 +8,11 @@ import numpy as np
 
 from model_diagnosis.data.drives import Drive, duration_s, join_loggers, split_at_pauses
 from model_diagnosis.data.grid import on_grid
-from model_diagnosis.data.sample_timing import check_timing
+from model_diagnosis.data.sample_timing import check_cut_frames, check_timing
 from model_diagnosis.data.sample_values import VALUE_CHECKS, check_resting_pressures, is_motion
 from model_diagnosis.data.samples import Samples, missing_channels, read_samples
 from model_diagnosis.data.segmentation import LOWEST_SPEED_M_S, SHORTEST_S, cut
+from model_diagnosis.data.undefined_values import check_markers
 from model_diagnosis.data.uses import what_is_lost
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
@@ -59,9 +60,10 @@ def read_manoeuvres(paths: Sequence[str | Path], channel_map: ChannelMap, vehicl
 def check_samples(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], list[DataFault]]:
     """Every check of one drive's samples: stamps first, then each channel's values."""
     checked, faults = check_timing(dict(channels))
+    faults += check_cut_frames(channels)
     faults += check_resting_pressures(checked)
     for name in checked:
-        for check in VALUE_CHECKS:
+        for check in (check_markers, *VALUE_CHECKS):
             checked[name], found = check(checked[name])
             faults += found
     return checked, faults

@@ -1,5 +1,7 @@
 """Data faults hidden in logs of a car that shares no code with the checks: the right kind, channel and value."""
 
+from dataclasses import replace
+
 import kinematic_car as car
 import numpy as np
 import pytest
@@ -50,6 +52,14 @@ def _held(share):
 def _stuck(values, random):
     values[300:380] = values[300]
     return values
+
+
+def _marked(marker):
+    def mark(values, random):
+        values[random.random(len(values)) < 0.02] = marker
+        return values
+
+    return mark
 
 
 def _blank(values, random):
@@ -103,6 +113,9 @@ FAULTS = {
     ),
     "stuck wheel": (changed("wheel_speed_fr", _stuck), "stuck_channel", ("wheel_speed_fr",), 0.8, 0.1),
     "blanks": (changed("yaw_rate", _blank), "not_a_number", ("yaw_rate",), 0.2, 0.15),
+    "marker in the reference": (changed("speed", _marked(655.35)), "undefined_value", ("speed",), 655.35, 0.0),
+    "marker of a wheel": (changed("wheel_speed_rl", _marked(-9999.0)), "undefined_value", WHEELS[2:3], 9999.0, 0.0),
+    "zeros of a wheel": (changed("wheel_speed_fl", _marked(0.0)), "undefined_value", WHEELS[:1], 0.0, 0.0),
     "gap of 1.8 s": ({"after": _with_gap}, "gap", ("time",), 1.8, 0.02),
     "duplicates": ({"after": _with_duplicates}, "duplicate_samples", ("time",), 20.0, 0.0),
     "command": (
@@ -139,3 +152,20 @@ def test_clean_data_have_no_fault(seed, recorded, vehicle):
     faults, repaired = check_data(recorded(seed=seed, off=0.03), vehicle)
     assert faults == []
     assert all(np.mean(m.weight(n)) > 0.98 for m in repaired for n in m.channels)
+
+
+def test_a_slip_of_a_locked_wheel_that_rolls_is_no_measurement(recorded, vehicle):
+    """A rig writes −1 where its slip is not defined; the force says that the wheel rolls. Locked, it stays."""
+    manoeuvres = recorded(seed=104, kinds=("stop",))
+    ones = np.ones(manoeuvres[0].samples)
+    random = np.random.default_rng(1)
+    rolling = np.arange(manoeuvres[0].samples) % 200 < 100
+    for force, kinds in ((np.where(rolling, 20.0, -2000.0), {"undefined_value"}), (-2000.0 * ones, set())):
+        slip = np.where(rolling, -1.0, -0.1) + 2e-4 * random.standard_normal(len(ones))
+        added = {"slip_ratio_fl": slip, "longitudinal_force_fl": force, "vertical_load_fl": 3000.0 * ones}
+        weights = dict.fromkeys(added, ones)
+        rig = [replace(m, channels=dict(m.channels) | added, weights=dict(m.weights) | weights) for m in manoeuvres[:1]]
+        faults, repaired = check_data(rig, vehicle)
+        assert {fault.kind for fault in faults} == kinds
+        masked = repaired[0].weight("slip_ratio_fl") == 0.0
+        np.testing.assert_array_equal(masked, rolling if kinds else False)
