@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from model_diagnosis.data import check_data, read_manoeuvres
 from model_diagnosis.data.holding_out import held_out_by_time
+from model_diagnosis.data.liveliest import liveliest
 from model_diagnosis.discovery.unknown import with_unknown
 from model_diagnosis.effects.catalogue import EFFECTS
 from model_diagnosis.effects.form import FORM_EFFECTS, FORM_HYDRAULICS_EFFECTS
@@ -92,6 +93,7 @@ def diagnose(
     *,
     hold_out: Source | None = None,
     hold_out_share: float = 0.0,
+    at_most_s: float | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Findings:
@@ -106,6 +108,7 @@ def diagnose(
         leaving out each manoeuvre in turn
     hold_out_share : of each drive's time, from its end, that takes no part in the search either; its data is checked
         and repaired together with the rest of the drive
+    at_most_s : search only the liveliest manoeuvres, of so much time together [s]; the data is checked as a whole
     seed : of the bootstraps
     progress : called with what is being done and the share done, 0 to 1
 
@@ -125,6 +128,8 @@ def diagnose(
     if hold_out_share:
         manoeuvres, last = held_out_by_time(manoeuvres, hold_out_share)
         held_out = [*held_out, *last]
+    if at_most_s is not None:
+        manoeuvres = liveliest(manoeuvres, at_most_s)
     replay = Replay(car, manoeuvres)
     if not any(len(replay.signals(number)) for number in range(len(manoeuvres))):
         raise InputError("no signal of these logs can be compared with a replay", mend="check the channel map")
