@@ -14,6 +14,7 @@ from model_diagnosis.data.low_pass_checks import check_low_pass
 from model_diagnosis.data.replayed import ReplayFactory, replayed_manoeuvres
 from model_diagnosis.data.swap_checks import check_swapped_wheels
 from model_diagnosis.data.undefined_values import check_free_wheels
+from model_diagnosis.data.undriven_forces import check_undriven_forces
 from model_diagnosis.data.unit_checks import check_units
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.result import DataFault
@@ -41,7 +42,7 @@ def check_data(
     reading = [fault for m in manoeuvres for fault in m.reading_faults]
     faults: list[DataFault] = list(reading)
     repaired = restore_wraps(manoeuvres, reading, geometry)
-    for check in (check_constant, check_load_sign, check_free_wheels):
+    for check in (check_constant, check_load_sign, check_free_wheels, check_undriven_forces):
         found, repaired = check(repaired)
         faults += found
     for compare in (check_units, check_swapped_wheels):

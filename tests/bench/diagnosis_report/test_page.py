@@ -144,6 +144,22 @@ def test_residuals_over_a_state_that_no_data_has(findings: Findings) -> None:
     assert [len(pictures) for _, _, pictures in rows] == [4]
 
 
+def test_a_state_that_hardly_changes_is_not_drawn(findings: Findings) -> None:
+    """Discs that warm by half a degree: a mean over them would show time, not temperature."""
+    assert binned_residual(findings, "longitudinal_acceleration", "temperature") is not None
+    cool = [
+        replace(
+            part,
+            states={
+                name: 20.0 + 0.5 * (values - values[0]) / max(np.ptp(values), 1e-9) if "temperature" in name else values
+                for name, values in part.states.items()
+            },
+        )
+        for part in findings.manoeuvres
+    ]
+    assert binned_residual(replace(findings, manoeuvres=cool), "longitudinal_acceleration", "temperature") is None
+
+
 def test_a_signal_no_sample_of_which_counts_is_told_and_not_drawn(findings: Findings) -> None:
     """As the longitudinal acceleration of a log without drive torque and brake pressure."""
     column = findings.manoeuvres[0].signals.index("longitudinal_acceleration")

@@ -154,6 +154,26 @@ def test_clean_data_have_no_fault(seed, recorded, vehicle):
     assert all(np.mean(m.weight(n)) > 0.98 for m in repaired for n in m.channels)
 
 
+def test_forces_without_their_cause_are_not_compared(recorded, vehicle):
+    manoeuvre = recorded(seed=105, kinds=("stop",))[0]
+    force = 100.0 * np.sin(manoeuvre.time)
+    added = dict.fromkeys(("longitudinal_force_fl", "lateral_force_fl"), force)
+    weights = dict.fromkeys(added, np.ones(manoeuvre.samples))
+
+    def checked(*kept):
+        channels = {n: v for n, v in manoeuvre.channels.items() if n.startswith(kept)} | added
+        return check_data([replace(manoeuvre, channels=channels, weights=dict(manoeuvre.weights) | weights)], vehicle)
+
+    faults, repaired = checked("speed", "wheel_speed")
+    assert [(f.kind, f.channel) for f in faults] == [
+        ("missing_channel", "steering_wheel_angle"), ("missing_channel", "brake_pressure"),
+    ]  # fmt: skip
+    assert not set(added) & set(repaired[0].channels)
+    faults, repaired = checked("speed", "wheel_speed", "brake_pressure", "steering")
+    assert faults == []
+    assert set(added) <= set(repaired[0].channels)
+
+
 def test_a_slip_of_a_locked_wheel_that_rolls_is_no_measurement(recorded, vehicle):
     """A rig writes −1 where its slip is not defined; the force says that the wheel rolls. Locked, it stays."""
     manoeuvres = recorded(seed=104, kinds=("stop",))
