@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.codec.codec import Receiver
 from bench.links.barrier import BarrierServer, PeerLost
 from bench.links.frame import FRAME_DTYPE, OPAQUE_DTYPE, TRANSMITTED
 from bench.links.interface import Link
@@ -114,11 +115,13 @@ class LinkedEcu:
         self._shift_ns = 0
         self._before_the_clock = np.zeros(MAX_FRAMES, FRAME_DTYPE)
 
-    def wait_until_heard(self, is_alive: Callable[[], bool] = lambda: True) -> None:
-        """Wait for the ECU's first frame, so that a run begins with an ECU that is there.
+    def wait_until_heard(self, ecu_frames: Receiver, is_alive: Callable[[], bool] = lambda: True) -> None:
+        """Wait for the ECU's first good frame, so that a run begins with an ECU that is there.
 
         Parameters
         ----------
+        ecu_frames : Receiver
+            Tells the ECU's frames from those of others on the bus.
         is_alive : callable
             False once the ECU's process has ended, which ends the wait.
 
@@ -128,7 +131,8 @@ class LinkedEcu:
             If no frame comes in time.
         """
         deadline = time.monotonic() + self._first_answer_s
-        while not self._link.receive(self._before_the_clock):
+        heard = self._before_the_clock
+        while not ecu_frames.accept(heard, self._link.receive(heard), 0):
             if not is_alive():
                 raise RunError("the emulated ECU ended before it answered", mend="see log.txt in the run's folder")
             if time.monotonic() > deadline:

@@ -1,16 +1,35 @@
-"""An ECU behind a link in real time: which of its frames belong to a run."""
+"""An ECU behind a link in real time: when it counts as there, and which of its frames belong to a run."""
 
 import numpy as np
+import pytest
 
 from bench.codec.codec import AGE_NAMES, Codec
 from bench.codec.mapping_file import BUS_NAMES
 from bench.codec.tables import STATISTICS
-from bench.links.frame import new_frames
+from bench.links.frame import EXTENDED, make_frame, new_frames
 from bench.links.registry import open_link
 from bench.loop.ecu_sides import LinkedEcu
+from signals.errors import RunError
 
 TICKS_BEFORE_THE_CLOCK = 60_000
 """Some 20 000 frames of the ECU: more than any receive buffer takes that the link asks for (4 MiB, doubled)."""
+
+
+def test_only_a_good_frame_of_its_own_says_that_the_ecu_is_there() -> None:
+    codec, values = Codec.load(), np.zeros(len(BUS_NAMES))
+    ecu_frames = codec.receiver("bench", values, np.zeros(len(AGE_NAMES)))
+    strangers = np.concatenate([make_frame(0x555, bytes(8)), make_frame(0x210, bytes(8), flags=EXTENDED)])
+    wrong_crc = make_frame(0x210, bytes([0xAA] * 8))
+    with open_link("udp_loopback", role="bench") as link, open_link(link.text, role="ecu") as bus:
+        side = LinkedEcu(link, first_answer_s=0.3)
+        for others in (strangers, wrong_crc):
+            bus.send(others, len(others))
+            with pytest.raises(RunError, match="sent no frame within"):
+                side.wait_until_heard(ecu_frames)
+        frames = new_frames(64)
+        transmitter = codec.transmitter("ecu", values)
+        bus.send(frames, transmitter.due(100, frames))
+        side.wait_until_heard(ecu_frames)
 
 
 def test_preparations_that_overflow_the_receive_buffer_cost_no_frame_of_the_run() -> None:
