@@ -18,12 +18,12 @@ from model_diagnosis.data.holding_out import held_out_by_time
 from model_diagnosis.data.liveliest import liveliest
 from model_diagnosis.discovery.unknown import with_unknown
 from model_diagnosis.effects.catalogue import EFFECTS
+from model_diagnosis.effects.catalogue import effect as find_effect
 from model_diagnosis.effects.form import FORM_EFFECTS, FORM_HYDRAULICS_EFFECTS
 from model_diagnosis.evidence.answer import CauseDetail, causes
 from model_diagnosis.evidence.base import Base, fit_base
 from model_diagnosis.evidence.excitation import Excitation, excitation, excited_columns
 from model_diagnosis.evidence.hypotheses import by_effect, hypotheses_of
-from model_diagnosis.evidence.localise import violated_equations
 from model_diagnosis.evidence.lookalikes import look_alikes
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.search import Search, linear_evidence, ratios
@@ -34,11 +34,11 @@ from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, compare
 from model_diagnosis.extension.extended_vehicle import FoundTerm
 from model_diagnosis.findings import Findings
 from model_diagnosis.held_out import gain_of, noise_std
+from model_diagnosis.localisation import Localisation, localise, place_remarks
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.next_manoeuvre import next_manoeuvre
 from model_diagnosis.pictures import manoeuvre_findings
 from model_diagnosis.replay import Replay
-from model_diagnosis.replay.equations import errors_of
 from model_diagnosis.result import DataFault, Diagnosis
 from model_diagnosis.verdict import verdict_of
 from signals.errors import InputError
@@ -177,7 +177,7 @@ class _Pipeline:
         is_wrong = wrong.beats(sum(one.evidence for one in selection.accepted))
         details = [] if is_wrong else self._causes(search, selection)
         shown = excitation(base.problem, base.at_nothing.information, needed)
-        guilty = self._guilty(selection.nothing.theta, base)
+        guilty = localise(self.replay, base, selection.nothing.theta, self.seed)
         self.clock.begin("plan")
         following = next_manoeuvre(self.vehicle, self.replay, search, selection, details)
         self.clock.begin("gain")
@@ -225,10 +225,6 @@ class _Pipeline:
             if effect.name != own and are_forced_together(channels, own, effect.name)
         ]
 
-    def _guilty(self, theta: FloatArray, base: Base) -> dict[str, float]:
-        errors = [errors_of(self.replay, theta, number) for number in range(len(self.replay.manoeuvres))]
-        return violated_equations(errors, base.problem.whitener.temperature)
-
     def _diagnosis(
         self,
         search: Search,
@@ -236,7 +232,7 @@ class _Pipeline:
         details: Sequence[CauseDetail],
         wrong: WrongVehicle | None,
         shown: Excitation,
-        guilty: dict[str, float],
+        guilty: Localisation,
         needed: float,
     ) -> Diagnosis:
         found = [detail.cause for detail in details]
@@ -246,10 +242,14 @@ class _Pipeline:
             data_faults=self.faults,
             causes=found,
             gain=gain,
-            remarks=self._remarks(selection, wrong),
+            remarks=[
+                *self._remarks(selection, wrong),
+                *place_remarks([find_effect(cause.effect) for cause in found], guilty.by_innovations),
+            ],
             insufficient=list(shown.insufficient),
             detection_limits=dict(shown.by_column),
-            guilty_equations=guilty,
+            guilty_equations=dict(guilty.by_equation_error),
+            guilty_by_innovations=dict(guilty.by_innovations),
             probability_of_nothing=min((detail.alike.nothing for detail in details), default=None),
             threshold=needed,
         )
