@@ -14,13 +14,11 @@ from model_diagnosis.evidence.priors import NUISANCE_FLOOR, Priors
 from model_diagnosis.replay import Replay
 from model_diagnosis.replay.disturbances import UNITS, disturbance_answers, equation_forces
 from model_diagnosis.replay.equations import errors_of
-from model_diagnosis.result import ViolatedEquation
+from model_diagnosis.result import LIT_RATIO, ViolatedEquation
 from signals.wheels import WHEELS
 
 FloatArray = NDArray[np.float64]
 
-LIT_RATIO = 20.0
-"""Likelihood ratio from which an equation counts as violated; of clean cars with other form the largest seen was 16."""
 _LIT_SHARE = 0.1
 """Of the largest ratio: what a violated equation spills into others is not lit."""
 _SCATTER_STD = 2.0

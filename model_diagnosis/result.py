@@ -107,6 +107,10 @@ class NextManoeuvre(Part):
     expected_evidence: float
 
 
+LIT_RATIO = 20.0
+"""Likelihood ratio from which an equation counts as violated; of clean cars with other form the largest seen was 16."""
+
+
 class ViolatedEquation(Part):
     """How much an equation needs an error of its own, and the root mean square of the likeliest one."""
 

@@ -18,7 +18,7 @@ from bench.diagnosis_report.timeline import GAP_S, Timeline
 from bench.diagnosis_report.words import headline, percent, signal_words
 from model_diagnosis.findings import Findings
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S
-from model_diagnosis.result import Diagnosis, ParameterEstimate
+from model_diagnosis.result import Diagnosis, ParameterEstimate, ViolatedEquation
 
 
 def texts(page: str) -> str:
@@ -109,6 +109,22 @@ def test_the_house_lights_the_most_violated_balance(findings: Findings) -> None:
     assert states["load transfer"] == "kept"
     assert states["brake rear right"] == "unseen"
     assert list(states.values()).count("guilty") == 1
+
+
+def test_innovations_light_the_house_and_both_numbers_stand_in_it(findings: Findings) -> None:
+    """The balance at the front right wheel has the larger equation error, the innovations point to the left one."""
+    innovations = {
+        "wheel torque fl": ViolatedEquation(likelihood_ratio=91.5, error=21.0, unit="N m"),
+        "wheel torque fr": ViolatedEquation(likelihood_ratio=3.0, error=2.0, unit="N m"),
+        "sensor yaw_rate": ViolatedEquation(likelihood_ratio=25.0, error=0.004, unit="rad/s"),
+    }
+    drawing = house_of_equations(findings.diagnosis.guilty_equations, innovations)
+    rooms = re.findall(r'<g class="(\w+)">.*?class="name"[^>]*>([^<]+)<.*?class="ratio"[^>]*>([^<]+)<', drawing)
+    shown = {name: (state, text) for state, name, text in rooms}
+    assert shown["wheel front left"] == ("guilty", "LR 91.5 · by balance 310")
+    assert shown["wheel front right"] == ("kept", "LR 3 · by balance 402")
+    assert shown["sensor chain"] == ("lit", "LR 25 · by balance 22")
+    assert shown["brake rear right"] == ("unseen", "not seen in this data")
 
 
 def test_brightness_grows_with_the_likelihood_ratio() -> None:
