@@ -151,6 +151,7 @@ def _hypotheses(group: str, geometry: Geometry) -> list[Wrong]:
         radius = float(np.mean(list(geometry.radii.values())))
         units |= {f"{name.partition(' ')[0]} for rad/s": factor * radius for name, factor in _SPEED.items()}
         units["m/s for rad/s"] = radius
+        units |= _SPEED  # a speed along the road that the map takes for one in another unit
     factors = [(words, factor) for words, factor in units.items() if abs(np.log(factor)) > 0.2]
     factors += [(_inverse(words), 1.0 / factor) for words, factor in factors]
     wrong = [Wrong(group, factor, words) for words, factor in factors]
