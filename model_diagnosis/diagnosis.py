@@ -130,12 +130,23 @@ def diagnose(
         held_out = [*held_out, *last]
     if at_most_s is not None:
         manoeuvres = liveliest(manoeuvres, at_most_s)
-    replay = Replay(car, manoeuvres)
+    try:
+        replay = Replay(car, manoeuvres)
+    except InputError as error:
+        raise _with_faults(error, faults) from None
     if not any(len(replay.signals(number)) for number in range(len(manoeuvres))):
         raise InputError("no signal of these logs can be compared with a replay", mend="check the channel map")
     return _Pipeline(
         car, replay, Replay(car, held_out, REPLAYED) if held_out else None, faults, logs, seed, clock
     ).run()
+
+
+def _with_faults(error: InputError, faults: Sequence[DataFault]) -> InputError:
+    """An error of data that cannot be replayed, with the faults that took the channels away."""
+    told = [fault.message for fault in faults[:6]]
+    return InputError(
+        error.message, found=error.found, allowed=error.allowed, mend="\n".join([*told, *([error.mend] * (not told))])
+    )
 
 
 def _manoeuvres(
