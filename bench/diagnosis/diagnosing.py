@@ -227,14 +227,19 @@ def write(found: Found, folder: Path, *, stops: bool = True) -> Written:
     extended = folder / VEHICLE_FILE
     extended.unlink(missing_ok=True)
     answer = write_extension(found.findings, extended, found.vehicle, found.vehicle_argument)
+    _write_answer(answer, folder)  # of minutes of searching nothing is lost, should a stop or the page fail
     if stops and answer.extension_file:
         answer = with_stops(answer, found.vehicle_argument, extended)
+        _write_answer(answer, folder)
     findings = replace(found.findings, diagnosis=answer)
     build(findings, folder)
+    return Written(findings, folder)
+
+
+def _write_answer(answer: Diagnosis, folder: Path) -> None:
     partial = folder / f".{ANSWER_FILE}.partial"
     partial.write_text(json.dumps(answer_json(answer), indent=2, ensure_ascii=False) + "\n", "utf-8")
     os.replace(partial, folder / ANSWER_FILE)
-    return Written(findings, folder)
 
 
 def default_folder(logs: Sequence[str]) -> Path:

@@ -242,3 +242,22 @@ def test_ratings_are_better_with_what_was_found(findings: Findings) -> None:
     speed = stop[table["signals"].index("speed over ground")]
     assert float(speed["after"]) > 0.94 > float(speed["before"])
     assert speed["grade"] == "excellent"
+
+
+def test_the_answer_is_kept_where_the_page_fails(
+    findings: Findings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Minutes of searching are not lost to a page that cannot be drawn."""
+    import bench.diagnosis_report.page as page
+    from bench.diagnosis.diagnosing import ANSWER_FILE, Found, write
+    from vehicle_model.vehicle_file import load_vehicle
+
+    def failing(*_: object) -> None:
+        raise OSError("no space left")
+
+    monkeypatch.setattr(page, "build", failing)
+    nothing = replace(findings, diagnosis=findings.diagnosis.model_copy(update={"causes": []}), terms=[])
+    with pytest.raises(OSError, match="no space"):
+        write(Found(nothing, load_vehicle("ekf_car"), "ekf_car"), tmp_path, stops=False)
+    written = Diagnosis.model_validate_json((tmp_path / ANSWER_FILE).read_text("utf-8"))
+    assert written.verdict == nothing.diagnosis.verdict
