@@ -25,6 +25,10 @@ NOISE = {"longitudinal_acceleration": 0.05, "lateral_acceleration": 0.1, "yaw_ra
 WHEEL_NOISE = {f"wheel_speed_{wheel}": 0.02 for wheel in WHEELS}
 """rad/s, C.1 and AC-50; on top of the tone rings' own errors."""
 ALL_NOISE = {**NOISE, **WHEEL_NOISE}
+TUNING_SEEDS = range(20)
+"""Seeds with which the observers' own settings (source "assumed") were chosen; none of them judges."""
+SEEDS = range(5000, 5020)
+"""Seeds that judge: nobody looked at them while a setting was chosen."""
 
 
 class Drive:

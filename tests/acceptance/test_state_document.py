@@ -16,11 +16,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from state_runs import ALL_NOISE, NOISE, WHEELS, Drive, Replay, drive, rmse_percent
+from state_runs import ALL_NOISE, NOISE, SEEDS, TUNING_SEEDS, WHEELS, Drive, Replay, drive, rmse_percent
 
 from vehicle_model.reference.planar_stops import abs_study, mean_percentages
 
-SEEDS = range(20)
 SLALOMS = {
     "dry_asphalt": {"a_y": 11.2, "yaw_rate": 2.1, "front": 11.1, "rear": 14.1},
     "wet_basalt": {"a_y": 11.1, "yaw_rate": 2.8, "front": 9.6, "rear": 14.0},
@@ -149,7 +148,7 @@ def test_lateral_fits(surface: str, record: Callable[..., None]) -> None:
     assert quality.min() >= 0.90
     assert np.median(shares) <= 0.65
     if late:
-        assert late < 0.05
+        assert late < 0.02
         pytest.xfail(f"{surface}: {100 * late:.1f} % of the fits come later, where noise hid the curve's bend at first")
 
 
@@ -164,10 +163,33 @@ def test_longitudinal_fits(surface: str, record: Callable[..., None]) -> None:
     record(f"{surface}: R^2, smallest", float(quality.min()), ">= 0.90")
     limits = [abs(e["limit"] / run[f"friction_limit_{e['wheel']}"][1000] - 1.0) for e in events]
     record(f"{surface}: median error of D %", 100.0 * float(np.median(limits)), "reported")
+    inside = float(np.mean((shares >= 0.71) & (shares <= 0.80)))
+    record(f"{surface}: part of the fits within it", inside, "reported: noise of 0.02 rad/s")
+    assert len(events) == 2 * len(SEEDS)  # both driven wheels, once each
     assert quality.min() >= 0.90
-    assert np.median(limits) < 0.25
-    if not 0.71 <= np.median(shares) <= 0.80:
-        pytest.xfail(f"{surface}: noise of the wheel speeds, 0.02 rad/s, hides the bend of the curve for longer")
+    assert np.median(limits) < 0.10
+    assert 0.71 <= np.median(shares) <= 0.80
+
+
+@pytest.mark.acceptance("V-35")
+@pytest.mark.parametrize("change", [{"longitudinal.towing_slip": False}, {"longitudinal.pair_slip": "model"}], ids=str)
+def test_what_hides_the_bend_of_the_curve(change: dict[str, Any], record: Callable[..., None]) -> None:
+    """Slip of the towed wheels left out, or slip that lags behind the friction: the limit is then found too high.
+
+    Both move the pairs to larger slips where the friction in use is small, which straightens the curve.
+    """
+    run = drive("state/launch_ice")
+    errors: dict[bool, list[float]] = {True: [], False: []}
+    for seed in TUNING_SEEDS[:5]:
+        for changed, settings in ((False, {}), (True, change)):
+            found = Replay(run, "magic_formula_fit", settings, seed=seed, noise=ALL_NOISE)
+            errors[changed] += [
+                e["limit"] / run[f"friction_limit_{e['wheel']}"][1000] - 1.0
+                for e in found.estimator.events()
+                if e["direction"] == "longitudinal"
+            ]
+    record(f"{next(iter(change))} changed: mean error of D %", 100.0 * float(np.mean(errors[True])), "reported")
+    assert np.mean(np.abs(errors[True])) > np.mean(np.abs(errors[False]))
 
 
 @pytest.mark.acceptance("V-36")

@@ -5,9 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from state_runs import ALL_NOISE, WHEELS, Drive, Replay, drive
-
-FEW = range(4)
+from state_runs import ALL_NOISE, SEEDS, WHEELS, Drive, Replay, drive
 
 
 def section(run: Drive, found: Replay) -> tuple[float, float]:
@@ -30,7 +28,7 @@ HILLS = [(grade, length, way) for grade, length in ((4, 750), (6, 507), (8, 501)
 def test_hills(grade: int, length: int, way: str, record: Callable[..., None]) -> None:
     run = drive(f"state/hill_{grade}_{way}")
     true = grade / 100.0 if way == "up" else -grade / 100.0
-    results = [section(run, Replay(run, "road_grade", {}, seed=s, noise=ALL_NOISE)) for s in FEW]
+    results = [section(run, Replay(run, "road_grade", {}, seed=s, noise=ALL_NOISE)) for s in SEEDS]
     error = 100.0 * abs(np.mean([mean for mean, _ in results]) / true - 1.0)
     worst = max(abs(found - length) for _, found in results)
     record(f"{grade} % {way}: error of the mean %", float(error), "<= 6.2", id="V-50")
