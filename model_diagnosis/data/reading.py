@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from model_diagnosis.data.drives import Drive, duration_s, join_loggers, split_at_pauses
+from model_diagnosis.data.drives import Drive, begin_s, duration_s, join_loggers, split_at_pauses
 from model_diagnosis.data.grid import on_grid
 from model_diagnosis.data.sample_timing import check_cut_frames, check_timing
 from model_diagnosis.data.sample_values import VALUE_CHECKS, check_resting_pressures, is_motion
@@ -47,7 +47,7 @@ def read_manoeuvres(paths: Sequence[str | Path], channel_map: ChannelMap, vehicl
         whole = Drive(drive.loggers, checked, (*drive.faults, *faults, *missing))
         for part in split_at_pauses(whole):
             if duration_s(part) >= SHORTEST_S:
-                manoeuvres += _manoeuvres(part, vehicle)
+                manoeuvres += _manoeuvres(part, vehicle, begin_s(whole))
     if not manoeuvres:
         raise InputError(
             f"{', '.join(str(p) for p in paths)}: too short for a diagnosis",
@@ -89,7 +89,8 @@ def _require_motion(paths: Sequence[str | Path], found: set[str], missing: Seque
         )
 
 
-def _manoeuvres(drive: Drive, vehicle: VehicleFile) -> list[Manoeuvre]:
+def _manoeuvres(drive: Drive, vehicle: VehicleFile, origin_s: float) -> list[Manoeuvre]:
+    """Manoeuvres of a part of a drive that began at ``origin_s`` on the logs' clock."""
     try:
         time, values, weights = on_grid(drive.channels)
     except InputError as error:
@@ -105,7 +106,7 @@ def _manoeuvres(drive: Drive, vehicle: VehicleFile) -> list[Manoeuvre]:
             weights={name: series[begin:end] for name, series in weights.items()},
             source=f"{', '.join(drive.loggers)}, {time[begin]:.2f} s to {time[end - 1]:.2f} s",
             origins=origins,
-            start_s=float(time[begin] - time[0]),
+            start_s=float(time[begin]) - origin_s,
             reading_faults=drive.faults,
             drive=", ".join(drive.loggers),
         )
