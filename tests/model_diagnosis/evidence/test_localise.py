@@ -54,7 +54,7 @@ def test_the_guilty_equation_comes_first_and_gaps_are_left_out() -> None:
     errors = EquationErrors(
         nothing=noise | {"wheel torque fl": broken},
         saturated=noise,
-        scattered=[{name: 0.05 * course for name in noise}],
+        scattered=[dict.fromkeys(noise, 0.05 * course)],
         courses={name: [np.ones(700), course / np.sqrt(np.mean(course**2))] for name in noise},
     )
     found = violated_equations([errors, errors], temperature=2.0)
