@@ -57,7 +57,9 @@ def test_both_criteria_of_the_source_are_reported_apart(rate: int, runs: list[Ve
         values = {criterion.id: criterion.value for criterion in verdict.criteria}
         assert values[f"below_one_bit_{rate}"] == pytest.approx(TABLE_7_NS[rate] * rate * 1e-6, rel=0.03)
         assert values[f"below_one_bit_{rate}"] < 1
-        assert values[f"window_overlap_{rate}"] == values[f"passed_early_{rate}"] == float(rate <= 500)
+        assert values[f"window_overlap_{rate}"] == float(rate <= 500)
+        if rate <= 500:  # without overlapping windows the source promises nothing
+            assert values[f"passed_early_{rate}"] == 1.0
         assert values[f"passed_late_{rate}"] == 1.0
         assert verdict.verdict == "pass"
 
