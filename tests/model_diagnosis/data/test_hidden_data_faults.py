@@ -95,6 +95,7 @@ FAULTS = {
     "front wheels swapped": (swapped(WHEELS[0], WHEELS[1]), "channel_swap", WHEELS[:2], 2.0, 0.0),
     "rear wheels swapped": (swapped(WHEELS[2], WHEELS[3]), "channel_swap", WHEELS[2:], 2.0, 0.0),
     "left wheels swapped": (swapped(WHEELS[0], WHEELS[2]), "channel_swap", (WHEELS[0], WHEELS[2]), 2.0, 0.0),
+    "axes swapped": (swapped(*INERTIAL[:2]), "channel_swap", INERTIAL[:2], 2.0, 0.0),
     "inertial unit late": (late(0.08, *INERTIAL), "can_latency", INERTIAL, 0.08, 0.15),
     "reference late": (late(0.3, "speed"), "clock_offset", ("speed",), 0.3, 0.05),
     "reference very late": (late(1.2, "speed"), "clock_offset", ("speed",), 1.2, 0.02),

@@ -60,6 +60,24 @@ def test_simulated_slaloms_have_no_data_fault():
     assert _kinds(faults) == set()
 
 
+def test_accelerometer_axes_of_the_rav4_under_each_others_name_are_found(tmp_path):
+    """ACCEL_X, so named in the DBC, is the one along the car: it follows the change of speed of the wheels."""
+    archive = SHARED / "comma2k19-rav4" / "segment40.npz"
+    if not archive.is_file():
+        pytest.skip(f"no reference data in {archive}")
+    shipped = SHIPPED / "comma2k19-rav4"
+    subprocess.run([sys.executable, str(shipped / "convert.py"), str(archive), str(tmp_path)], check=True)
+    (tmp_path / "car.dbc").write_text((shipped / "car.dbc").read_text("utf-8"))
+    text = (shipped / "channels.yaml").read_text("utf-8")
+    swapped = text.replace("ACCEL_X", "ACCEL_Z").replace("ACCEL_Y", "ACCEL_X").replace("ACCEL_Z", "ACCEL_Y")
+    logs = [tmp_path / "can.log", tmp_path / "steering.csv", tmp_path / "pose.csv"]
+    for name, content, found in (("swapped", swapped, True), ("right", text, False)):
+        (tmp_path / f"{name}.yaml").write_text(content)
+        _, faults = _checked("comma2k19-rav4", channel_map=tmp_path / f"{name}.yaml", logs=logs)
+        axes = [f for f in faults if f.kind == "channel_swap"]
+        assert [f.channel for f in axes] == ["longitudinal_acceleration, lateral_acceleration"] * found
+
+
 def test_three_loggers_of_the_rav4_become_one_drive(tmp_path):
     archive = SHARED / "comma2k19-rav4" / "segment40.npz"
     if not archive.is_file():
