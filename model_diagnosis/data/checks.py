@@ -6,7 +6,16 @@ import numpy as np
 
 from model_diagnosis.data.command_checks import command_fault, find_command
 from model_diagnosis.data.delay_acceptance import accepted_delays
-from model_diagnosis.data.delay_checks import Late, candidates, explain_lags, fault_of, lag_relations, shifted
+from model_diagnosis.data.delay_checks import (
+    PLAIN_GAIN,
+    Late,
+    candidates,
+    explain_lags,
+    fault_of,
+    lag_relations,
+    shifted,
+)
+from model_diagnosis.data.drift_checks import check_drift
 from model_diagnosis.data.faults import distinct
 from model_diagnosis.data.geometry import Geometry, geometry_of
 from model_diagnosis.data.level_checks import check_constant, check_load_sign, restore_wraps
@@ -48,6 +57,8 @@ def check_data(
     for compare in (check_units, check_swapped_wheels):
         found, repaired = compare(repaired, geometry)
         faults += found
+    found, repaired = check_drift(repaired, geometry)
+    faults += found
     replayable = replay if replay is not None and _can_be_replayed(repaired, vehicle, replay) else None
     found, repaired = check_low_pass(repaired, geometry, _replayed(repaired, vehicle, replayable))
     faults += found
@@ -87,8 +98,10 @@ def _check_delays(
         repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
     if commands:
         relations = lag_relations(repaired, geometry, replayed)
-    late_sets = explain_lags(relations, candidates(repaired))
-    large = [late for late in late_sets if replay is None or abs(late.delay_s) > _LARGE_DELAY_S]
+    late_sets = explain_lags(relations, candidates(repaired), proposed=replay is not None)
+    large = [
+        late for late in late_sets if replay is None or (abs(late.delay_s) > _LARGE_DELAY_S and late.gain > PLAIN_GAIN)
+    ]
     for late in large:
         repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
     small: list[Late] = []
