@@ -73,6 +73,7 @@ def joined(parts: list[TickTimes]) -> TickTimes:
         np.concatenate([p.cpu_ns[: p.count] for p in parts]),
         sum(p.count for p in parts),
         sum(p.skipped for p in parts),
+        sum(p.overruns for p in parts),
     )
 
 

@@ -55,6 +55,11 @@ def mean_delay_ns(bit_rate: float) -> float:
     return float(np.interp(math.log(bit_rate), np.log(rates), [TABLE_7_NS[rate] for rate in rates]))
 
 
+def windows_overlap(share: float) -> bool:
+    """Whether the sampling windows of both sides, 50 % to 80 % of a bit, overlap with a delay in bit times between."""
+    return share < LATEST_SAMPLE - EARLIEST_SAMPLE
+
+
 class DelayModel:
     """Delays with the scatter of a device that samples its input by a clock of its own.
 
@@ -77,7 +82,7 @@ class DelayModel:
         mean = float(delays.mean())
         share = mean * 1e-9 * bit_rate
         variation = float(delays.std(ddof=1)) / mean
-        return DelayReport(bit_rate, mean, variation, share, share < 1.0, share < LATEST_SAMPLE - EARLIEST_SAMPLE)
+        return DelayReport(bit_rate, mean, variation, share, share < 1.0, windows_overlap(share))
 
     def reports(self, bit_rates: Iterable[float] = tuple(TABLE_7_NS)) -> list[DelayReport]:
         """One report for each bit rate, by default those of Table 7."""

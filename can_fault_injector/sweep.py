@@ -30,8 +30,11 @@ Counts = NDArray[np.int64]
 
 @njit(cache=True)
 def _judge(bits: Bits, iso: bool, sent: Bits, sent_result: Counts, data: Bits, result: Counts) -> int:
-    """What a receiver makes of disturbed bits: rejected, read as sent, or accepted with other content."""
+    """What a receiver of the bus makes of disturbed bits: rejected, read as sent, or accepted with other content."""
     if decode(bits, iso, data, result) != f.NO_ERROR:
+        return REJECTED
+    # a frame that ends elsewhere than the sender's is acknowledged at a wrong place: the sender's error flag ends it
+    if result[decoding.RESULT_BITS] != sent_result[decoding.RESULT_BITS]:
         return REJECTED
     for column in range(decoding.RESULT_IDENTIFIER, decoding.RESULT_LENGTH + 1):
         if result[column] != sent_result[column]:

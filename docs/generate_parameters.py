@@ -161,6 +161,11 @@ def _car_rows(car: str) -> Iterator[str]:
             yield f"| `{info.path}` | {info.unit} | {info.value:.6g} | {info.source} |"
 
 
+def _item(row: dict[str, str]) -> tuple[str, str, str]:
+    """What makes a correction one: an item may depart in several places, and a place be kept by switch and test."""
+    return row["item"], row["place"], row["printed"]
+
+
 def _corrections() -> list[str]:
     with (ROOT / "docs" / "corrections.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -168,10 +173,8 @@ def _corrections() -> list[str]:
     lines.append("|---|---:|---:|---:|---:|")
     for spec in dict.fromkeys(row["spec"] for row in rows):
         of_spec = [row for row in rows if row["spec"] == spec]
-        items = {row["item"] for row in of_spec}
-        counts = [
-            len({row["item"] for row in of_spec if row["kept_by"] == kind}) for kind in ("switch", "test", "text")
-        ]
+        items = {_item(row) for row in of_spec}
+        counts = [len({_item(row) for row in of_spec if row["kept_by"] == kind}) for kind in ("switch", "test", "text")]
         lines.append(f"| {spec} | {len(items)} | " + " | ".join(map(str, counts)) + " |")
     lines += ["\nAn item of text only (a caption, a reference, a name) computes nothing.\n"]
     lines += ["| Document | Item | Place | Printed | Here | Kept by |", "|---|---|---|---|---|---|"]

@@ -76,10 +76,10 @@ def conclude_fit(
     if t.automatic[direction] == 1:
         wanted = t.threshold_times_b[direction] / b
         wanted = min(max(wanted, t.low_threshold[direction]), t.high_threshold[direction])
-        curve.threshold = wanted
         if x < _TOLERANCE * wanted:
             curve.provisional += 1
             return
+        curve.threshold = wanted
     attained = 0.0
     for k in range(count):
         attained = max(attained, abs(mu_row[k]))

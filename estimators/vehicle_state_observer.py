@@ -220,13 +220,14 @@ class StateObserver(Estimator):
         t["slew_time"], t["integrators"] = longitudinal.slew_time, longitudinal.integrators
         t["reversal"], t["layer"] = longitudinal.reversal, longitudinal.boundary_layer
         t["smallest_slip"], t["initial_slope_x"] = longitudinal.smallest_slip, longitudinal.initial_slope
-        t["anchor"] = longitudinal.anchor
+        t["anchor"], t["towing_slip"] = longitudinal.anchor, longitudinal.towing_slip
         # the odometer of the wheels that no engine drives
         t["anchor_rows"] = np.where(self._car.record["driven"][0] > 0.0, 0.0, 1.0)
         t["engine_torque_path"] = longitudinal.drive_torque == "engine"
         t["engine_weight"] = _weight(0.01, longitudinal.engine_time_constant)
         t["pair_weight"] = _weight(0.01, longitudinal.pair_time_constant)
         t["settling_time"] = longitudinal.settling_time
+        t["measured_slip"] = longitudinal.pair_slip == "measured"
         t["brakes"] = longitudinal.brake_torque == "pressure"
 
     def _fill_lateral(self, lateral: LateralSettings, sample_time_s: float) -> None:

@@ -165,11 +165,13 @@ TUNING_RECORD = np.dtype(
         ("layer", "f8"),
         ("initial_slope_x", "f8"),
         ("anchor", "f8"),
+        ("towing_slip", "i8"),
         ("anchor_rows", "f8", (4,)),
         ("engine_torque_path", "i8"),
         ("engine_weight", "f8"),
         ("brakes", "i8"),
         ("pair_weight", "f8"),
+        ("measured_slip", "i8"),
         ("settling_time", "f8"),
         # fit, lateral and longitudinal
         ("fit", "i8", (2,)),

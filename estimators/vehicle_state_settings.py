@@ -123,13 +123,20 @@ class LongitudinalSettings(FileModel):
     boundary_layer: float = parameter(
         "rad/s", 0.0, low=0.0, high=1e5, description="of the surface, within which the sign is a line; 0: the sign"
     )
-    initial_slope: float = parameter("1", 10.0, low=0.0, high=200.0, description="k_x", source=_OWN)
+    initial_slope: float = parameter(
+        "1", 15.0, low=1.0, high=200.0, description="k_x; B C D of 2.4: 14 to 17 on all surfaces", source="2.4 [E]"
+    )
     smallest_slip: float = parameter(
         "1", 0.002, low=0.0, high=0.1, description="the slope is held below: the slip's sign is not known", source=_OWN
     )
     gate_speed: float = parameter("m/s", 1.4, low=0.1, high=10.0, description="it rests below", source="l. 5896")
     anchor: float = parameter(
         "1/s", 5.0, low=0.0, high=100.0, description="L: ties the speed to the free wheels' odometer", source="3.5 [E]"
+    )
+    towing_slip: bool = Field(
+        default=True,
+        description="the odometer counts the slip f/k_x that the rolling resistance of a free wheel needs; false: mean "
+        "of r omega, as in 3.5 [E]",
     )
     driven_axle: Literal["front", "rear"] = Field(
         default="front", description="the engine's; the wheels of the other axle are the odometer"
@@ -143,11 +150,15 @@ class LongitudinalSettings(FileModel):
         default="none",
         description="none: defined for traction only, flagged in braking; pressure: nominal gain times wheel pressures",
     )
+    pair_slip: Literal["measured", "model"] = Field(
+        default="measured",
+        description="slip of the pairs for the fits: from the measured wheel speed, or the wheel's model, which lags",
+    )
     pair_time_constant: float = parameter(
         "s", 0.1, low=0.0, high=1.0, description="low-pass of slip and friction alike for the fits", source=_OWN
     )
     settling_time: float = parameter(
-        "s", 1.5, low=0.0, high=60.0, description="of running, before pairs are stored for the fits", source=_OWN
+        "s", 0.5, low=0.0, high=60.0, description="of running, before pairs are stored for the fits", source=_OWN
     )
     engine_time_constant: float = parameter(
         "s", 0.05, low=0.0, high=1.0, description="low-pass of the engine's acceleration", source=_OWN
@@ -181,7 +192,7 @@ class CurveSettings(FileModel):
     lowest_longitudinal: float = parameter("1", 0.006, low=0.0, high=0.5, description="", source=_OWN)
     highest_longitudinal: float = parameter("1", 0.15, low=0.0, high=1.0, description="", source=_OWN)
     share_lateral: float = parameter(
-        "1", 0.34, low=0.05, high=2.0, description="B times threshold; 3.4 [E]: 0.44", source=_OWN
+        "1", 0.4, low=0.05, high=2.0, description="B times threshold; 3.4 [E]: 0.44", source=_OWN
     )
     share_longitudinal: float = parameter(
         "1", 0.63, low=0.05, high=2.0, description="B times threshold", source="3.4 [E]"
@@ -192,7 +203,7 @@ class CurveSettings(FileModel):
     fewest_points: int = Field(default=8, ge=3, le=100, description="pairs below which no fit is tried")
     lowest_r_squared: float = parameter("1", 0.9, low=-1.0, high=1.0, description="of a fit", source="AC-34, AC-35")
     straightness: float = parameter(
-        "1", 0.85, low=0.0, high=1.0, description="largest J of a fit over that of a straight line", source=_OWN
+        "1", 0.95, low=0.0, high=1.0, description="largest J of a fit over that of a straight line", source=_OWN
     )
     lowest_limit: float = parameter("1", 0.05, low=0.01, high=1.0, description="bound of D", source=_OWN)
     highest_limit: float = parameter("1", 1.3, low=0.1, high=3.0, description="bound of D", source=_OWN)

@@ -23,6 +23,7 @@ from estimators.vehicle_state_model import (
     road_wheel_angle,
     rolling_coefficient,
     rolling_loads,
+    slip,
     wheel_speeds,
 )
 from estimators.vehicle_state_record import CURVES
@@ -45,6 +46,7 @@ from estimators.wheel_sliding_mode_step import longitudinal_step, rest_longitudi
 IN_PRESSURE = 14
 
 _STANDING = 0.1
+_FIRST_FRAMES = 0.05
 _LONGEST_EXTRAPOLATION = 0.02
 _FASTEST_STEERING = 25.0
 
@@ -82,6 +84,18 @@ def _load_wheels(s: Any, car: Any) -> None:
 
 
 @njit(cache=True)
+def _towing_slip(s: Any, car: Any, t: Any, i: int) -> float:
+    """Slip at which the road turns a free wheel against its rolling resistance: R_z k_x s = R_z f (2.5).
+
+    Small as it is, it is a tenth of the slip at which a driven wheel on ice starts to bend its curve. The slope of a
+    wheel that hardly slips is not observed: a smaller one than at the start does not count.
+    """
+    if t.towing_slip == 0:
+        return 0.0
+    return rolling_coefficient(s.v_x, car) / max(s.slope[i], t.initial_slope_x)
+
+
+@njit(cache=True)
 def _read_wheels(s: Any, guard: FloatArray, car: Any, t: Any) -> None:
     """Wheel speeds in the document's order, their rates, and the odometer of the wheels that no engine drives."""
     for i in range(4):
@@ -102,7 +116,8 @@ def _read_wheels(s: Any, guard: FloatArray, car: Any, t: Any) -> None:
     for i in range(4):
         if t.anchor_rows[i] > 0.0:
             measured = s.measured[i] + s.measured_rate[i] * s.measured_age[i]
-            total += t.anchor_rows[i] * (car.r[i] * measured - wheel_speeds(0.0, 0.0, s.w_z, car, i)[0])
+            along = car.r[i] * measured * (1.0 + _towing_slip(s, car, t, i))
+            total += t.anchor_rows[i] * (along - wheel_speeds(0.0, 0.0, s.w_z, car, i)[0])
             share += t.anchor_rows[i]
     s.odometer = max(total / share, 0.0)
 
@@ -186,11 +201,25 @@ def _lateral(m: Any, s: Any, curves: Any, car: Any, t: Any, yaw_rate: float, sid
 
 
 @njit(cache=True)
+def _measured_slip(s: Any, car: Any, i: int) -> float:
+    """Slip of a wheel from its measured speed, brought forward as the car's speed changes.
+
+    The slip of the wheel's model lags: it follows the slope, which the sign law moves at a limited rate, while the
+    friction in use follows the torque at once. Together they would lie beside the curve, on a straighter one.
+    """
+    v_kx = wheel_speeds(s.v_x, s.v_y, s.w_z, car, i)[0]
+    if v_kx <= 0.0:
+        return 0.0
+    omega = s.measured[i] + s.dv_x / car.r[i] * min(s.measured_age[i], _LONGEST_EXTRAPOLATION)
+    return slip(v_kx, omega, car.r[i])
+
+
+@njit(cache=True)
 def _gather_pairs(s: Any, curves: Any, pairs: FloatArray, scratch: FloatArray, log: FloatArray, logged: FloatArray,
-                  t: Any, step_due: bool) -> None:  # fmt: skip
+                  car: Any, t: Any, step_due: bool) -> None:  # fmt: skip
     """Slip and friction of every wheel and direction for the fits, once per step of the lateral filter."""
     for i in range(4):
-        s.sum_slip[i] += s.slip[i]
+        s.sum_slip[i] += _measured_slip(s, car, i) if t.measured_slip == 1 else s.slip[i]
         s.sum_used[i] += s.slope[i] * s.slip[i]
     if not step_due:
         return
@@ -280,7 +309,7 @@ def observe(
             forget_state(s, curves, m, car, t)
             s.resets += 1
             return False
-    _gather_pairs(s, curves, pairs, scratch, log, logged, t, step_due)
+    _gather_pairs(s, curves, pairs, scratch, log, logged, car, t, step_due)
     if t.grade == 1 and s.moving == 1:
         follow_pitch(s, car, t)
         if s.braking == 0 or t.brakes == 1:
@@ -291,8 +320,11 @@ def observe(
 @njit(cache=True)
 def _longitudinal(s: Any, car: Any, t: Any) -> None:
     if t.longitudinal == 1 and s.moving == 1:
-        if s.longitudinal_runs == 0:
+        if s.longitudinal_runs == 0 or s.running_time < _FIRST_FRAMES:
+            # the frames of the wheels come one after the other: a mean with one that is still missing is no speed
             s.v_x = s.odometer
+            for i in range(4):
+                s.omega[i] = s.measured[i]
         longitudinal_step(s, car, t)
         return
     if t.longitudinal == 1:

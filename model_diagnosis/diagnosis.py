@@ -15,14 +15,15 @@ from numpy.typing import NDArray
 
 from model_diagnosis.data import check_data, read_manoeuvres
 from model_diagnosis.data.holding_out import held_out_by_time
+from model_diagnosis.data.liveliest import liveliest
 from model_diagnosis.discovery.unknown import with_unknown
 from model_diagnosis.effects.catalogue import EFFECTS
+from model_diagnosis.effects.catalogue import effect as find_effect
 from model_diagnosis.effects.form import FORM_EFFECTS, FORM_HYDRAULICS_EFFECTS
 from model_diagnosis.evidence.answer import CauseDetail, causes
 from model_diagnosis.evidence.base import Base, fit_base
 from model_diagnosis.evidence.excitation import Excitation, excitation, excited_columns
 from model_diagnosis.evidence.hypotheses import by_effect, hypotheses_of
-from model_diagnosis.evidence.localise import violated_equations
 from model_diagnosis.evidence.lookalikes import look_alikes
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.search import Search, linear_evidence, ratios
@@ -33,11 +34,11 @@ from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, compare
 from model_diagnosis.extension.extended_vehicle import FoundTerm
 from model_diagnosis.findings import Findings
 from model_diagnosis.held_out import gain_of, noise_std
+from model_diagnosis.localisation import Localisation, localise, place_remarks
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.next_manoeuvre import next_manoeuvre
 from model_diagnosis.pictures import manoeuvre_findings
 from model_diagnosis.replay import Replay
-from model_diagnosis.replay.equations import errors_of
 from model_diagnosis.result import DataFault, Diagnosis
 from model_diagnosis.verdict import verdict_of
 from signals.errors import InputError
@@ -92,6 +93,7 @@ def diagnose(
     *,
     hold_out: Source | None = None,
     hold_out_share: float = 0.0,
+    at_most_s: float | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Findings:
@@ -106,6 +108,7 @@ def diagnose(
         leaving out each manoeuvre in turn
     hold_out_share : of each drive's time, from its end, that takes no part in the search either; its data is checked
         and repaired together with the rest of the drive
+    at_most_s : search only the liveliest manoeuvres, of so much time together [s]; the data is checked as a whole
     seed : of the bootstraps
     progress : called with what is being done and the share done, 0 to 1
 
@@ -125,12 +128,25 @@ def diagnose(
     if hold_out_share:
         manoeuvres, last = held_out_by_time(manoeuvres, hold_out_share)
         held_out = [*held_out, *last]
-    replay = Replay(car, manoeuvres)
+    if at_most_s is not None:
+        manoeuvres = liveliest(manoeuvres, at_most_s)
+    try:
+        replay = Replay(car, manoeuvres)
+    except InputError as error:
+        raise _with_faults(error, faults) from None
     if not any(len(replay.signals(number)) for number in range(len(manoeuvres))):
         raise InputError("no signal of these logs can be compared with a replay", mend="check the channel map")
     return _Pipeline(
         car, replay, Replay(car, held_out, REPLAYED) if held_out else None, faults, logs, seed, clock
     ).run()
+
+
+def _with_faults(error: InputError, faults: Sequence[DataFault]) -> InputError:
+    """An error of data that cannot be replayed, with the faults that took the channels away."""
+    told = [fault.message for fault in faults[:6]]
+    return InputError(
+        error.message, found=error.found, allowed=error.allowed, mend="\n".join([*told, *([error.mend] * (not told))])
+    )
 
 
 def _manoeuvres(
@@ -172,7 +188,7 @@ class _Pipeline:
         is_wrong = wrong.beats(sum(one.evidence for one in selection.accepted))
         details = [] if is_wrong else self._causes(search, selection)
         shown = excitation(base.problem, base.at_nothing.information, needed)
-        guilty = self._guilty(selection.nothing.theta, base)
+        guilty = localise(self.replay, base, selection.nothing.theta, self.seed)
         self.clock.begin("plan")
         following = next_manoeuvre(self.vehicle, self.replay, search, selection, details)
         self.clock.begin("gain")
@@ -220,10 +236,6 @@ class _Pipeline:
             if effect.name != own and are_forced_together(channels, own, effect.name)
         ]
 
-    def _guilty(self, theta: FloatArray, base: Base) -> dict[str, float]:
-        errors = [errors_of(self.replay, theta, number) for number in range(len(self.replay.manoeuvres))]
-        return violated_equations(errors, base.problem.whitener.temperature)
-
     def _diagnosis(
         self,
         search: Search,
@@ -231,7 +243,7 @@ class _Pipeline:
         details: Sequence[CauseDetail],
         wrong: WrongVehicle | None,
         shown: Excitation,
-        guilty: dict[str, float],
+        guilty: Localisation,
         needed: float,
     ) -> Diagnosis:
         found = [detail.cause for detail in details]
@@ -241,10 +253,14 @@ class _Pipeline:
             data_faults=self.faults,
             causes=found,
             gain=gain,
-            remarks=self._remarks(selection, wrong),
+            remarks=[
+                *self._remarks(selection, wrong),
+                *place_remarks([find_effect(cause.effect) for cause in found], guilty.by_innovations),
+            ],
             insufficient=list(shown.insufficient),
             detection_limits=dict(shown.by_column),
-            guilty_equations=guilty,
+            guilty_equations=dict(guilty.by_equation_error),
+            guilty_by_innovations=dict(guilty.by_innovations),
             probability_of_nothing=min((detail.alike.nothing for detail in details), default=None),
             threshold=needed,
         )

@@ -107,6 +107,18 @@ class NextManoeuvre(Part):
     expected_evidence: float
 
 
+LIT_RATIO = 20.0
+"""Likelihood ratio from which an equation counts as violated; of clean cars with other form the largest seen was 16."""
+
+
+class ViolatedEquation(Part):
+    """How much an equation needs an error of its own, and the root mean square of the likeliest one."""
+
+    likelihood_ratio: float
+    error: float
+    unit: str
+
+
 class Diagnosis(Part):
     """The whole answer."""
 
@@ -122,7 +134,12 @@ class Diagnosis(Part):
     detection_limits: dict[str, float] = Field(
         default_factory=dict, description="effect.parameter -> smallest deviation that this data would show"
     )
-    guilty_equations: dict[str, float] = Field(default_factory=dict, description="equation -> likelihood ratio")
+    guilty_equations: dict[str, float] = Field(
+        default_factory=dict, description="equation -> likelihood ratio by equation error"
+    )
+    guilty_by_innovations: dict[str, ViolatedEquation] = Field(
+        default_factory=dict, description="equation -> likelihood ratio by innovations of the stochastic replay"
+    )
     ratings: dict[str, dict[str, float]] = Field(
         default_factory=dict, description="manoeuvre -> signal -> ISO/TS 18571 rating"
     )

@@ -2,11 +2,19 @@
 
 from collections.abc import Sequence
 
+from model_diagnosis.effects.catalogue import EFFECTS
+from model_diagnosis.evidence.excitation import DATA_GROUPS
 from model_diagnosis.evidence.wrong_vehicle import WrongVehicle
 from model_diagnosis.result import Cause, DataFault, DiscoveredTerm, Verdict
 
 UNSHOWN_SHARE = 0.5
 """Nothing found on data that does not excite this share of the catalogue's effects is no finding."""
+
+BLIND_SHARE = 0.9
+"""Data that shows hardly one effect of the car cannot acquit the car, whatever is wrong with the data itself."""
+
+OF_THE_CAR = sum(effect.group not in DATA_GROUPS for effect in EFFECTS)
+"""Effects that the sensitivities answer for, not the checks of the data."""
 
 NOT_A_FAULT = ("missing_channel",)
 """Kinds that are told with the faults of the data but leave the rest of it good."""
@@ -27,6 +35,8 @@ def verdict_of(
         return "indistinguishable" if len(causes[0].group) > 1 else "effect_found"
     if terms:
         return "effect_found"
+    if len(insufficient) > BLIND_SHARE * OF_THE_CAR:
+        return "insufficient_data"
     if any(fault.kind not in NOT_A_FAULT for fault in faults):
         return "data_fault"
     if len(insufficient) > UNSHOWN_SHARE * effects:

@@ -29,6 +29,13 @@ def test_every_erratum_of_the_friction_document_is_listed():
     assert {f"A{number}" for number in range(1, 32)} <= items
 
 
+def test_every_line_of_annex_b_of_the_vehicle_state_document_is_listed():
+    places = " ".join(row["place"] for row in rows() if row["spec"] == "vehicle-state")
+    lines = (5375, 5384, 5440, 5505, 5698, 5684, 5839, 5849, 5904, 5961, 6064, 6101, 6119, 6007, 6161, 6188)
+    assert not [line for line in lines if str(line) not in places]
+    assert "whole listing B" in places
+
+
 @pytest.mark.parametrize("row", rows(), ids=lambda row: f"{row['spec']} {row['item']}")
 def test_switch_or_test_exists(row):
     assert row["printed"]

@@ -19,6 +19,8 @@ from bench.report.page_rendering import render
 MOST_RUNS = 1000
 MOST_COLUMNS = 140
 DISTANCE_ROWS = 14
+SAME_DISTANCE_M = 0.01
+"""Stopping distances that differ by less stand in one row of the map."""
 _FIELDS = (
     "sof",
     "id",
@@ -121,7 +123,7 @@ def heat_maps(rows: Sequence[Row]) -> list[tuple[str, str, Markup]]:
         if len(names) > 1:
             counts = [[counted[name, outcome] for name in names] for outcome in OUTCOMES]
             maps.append((title, "Runs by outcome.", _by_outcome(names, counts)))
-    return [*maps, *_distance_map(rows)]
+    return [*maps, *distance_map(rows)]
 
 
 def _counted(rows: Sequence[Row], column: str) -> Counter[tuple[str, str]]:
@@ -143,7 +145,7 @@ def _by_outcome(columns: Sequence[str], counts: Sequence[Sequence[int]]) -> Mark
     return HeatMap([OUTCOME_TEXTS[name] for name in names], columns, counts, lambda row, _: f"h-{names[row]}").svg()
 
 
-def _distance_map(rows: Sequence[Row]) -> list[tuple[str, str, Markup]]:
+def distance_map(rows: Sequence[Row]) -> list[tuple[str, str, Markup]]:
     """Time of the first fault against the stopping distance."""
     timed: list[tuple[float, Mapping[str, Any]]] = []
     for row in rows:
@@ -155,20 +157,23 @@ def _distance_map(rows: Sequence[Row]) -> list[tuple[str, str, Markup]]:
     if not distances or not instants:
         return []
     low, high = min(distances), max(distances)
-    step = (high - low) / DISTANCE_ROWS or 1.0
-    counts = [[0] * len(instants) for _ in range(DISTANCE_ROWS + 1)]
-    hazardous = [[0] * len(instants) for _ in range(DISTANCE_ROWS + 1)]
+    bands = DISTANCE_ROWS if high - low > SAME_DISTANCE_M else 1
+    step = (high - low) / bands
+    counts = [[0] * len(instants) for _ in range(bands + 1)]
+    hazardous = [[0] * len(instants) for _ in range(bands + 1)]
     for time, row in timed:
         if time not in instants:
             continue
         distance = row["stopping_distance_m"]
         # the longest on top; above it the runs that do not stop
-        place = 0 if distance is None else DISTANCE_ROWS - min(int((distance - low) / step), DISTANCE_ROWS - 1)
+        place = 0
+        if distance is not None:
+            place = 1 if bands == 1 else bands - min(int((distance - low) / step), bands - 1)
         counts[place][instants.index(time)] += 1
         hazardous[place][instants.index(time)] += row["outcome"] == HAZARDOUS
     labels = [
         "does not stop",
-        *(f"{high - step * (n + 1):.1f} … {high - step * n:.1f} m" for n in range(DISTANCE_ROWS)),
+        *(f"{high - step * (n + 1):.1f} … {high - step * n:.1f} m" for n in range(bands)),
     ]
 
     def colour(row: int, column: int) -> str:

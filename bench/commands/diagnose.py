@@ -62,7 +62,7 @@ def diagnose() -> None:
 
     bench diagnose stops.mf4 turns.mf4 --vehicle car.yaml --channels map.yaml --hold-out monday.mf4 --out result
 
-    bench diagnose lap.csv --vehicle car.yaml --channels map.yaml --hold-out-share 0.5
+    bench diagnose lap.csv --vehicle car.yaml --channels map.yaml --hold-out-share 0.5 --at-most 120
     """
 
 
@@ -81,6 +81,10 @@ def logs(
             min=0.0, max=0.9, metavar="SHARE", help="Share of each drive, from its end, that only measures the gain."
         ),
     ] = 0.0,
+    at_most: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", help="Search only the liveliest manoeuvres of long logs, of so much time."),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Default: diagnosis/ in the run's folder, or diagnosis/LOG for another log."),
@@ -105,6 +109,7 @@ def logs(
             channels=channels,
             hold_out=hold_out or [],
             hold_out_share=hold_out_share,
+            at_most_s=at_most,
             seed=seed,
             progress=progress,
         )

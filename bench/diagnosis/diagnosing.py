@@ -71,6 +71,7 @@ def diagnose(
     channels: str | Path | None = None,
     hold_out: Sequence[str | Path] = (),
     hold_out_share: float = 0.0,
+    at_most_s: float | None = None,
     out: str | Path | None = None,
     seed: int = 0,
     progress: Progress | None = None,
@@ -89,6 +90,8 @@ def diagnose(
         Logs that take no part in the search and measure the gain.
     hold_out_share : float
         Share of each drive's time, from its end, that takes no part either: 0.5 is the second half.
+    at_most_s : float, optional
+        Search only the liveliest manoeuvres, of so much time together [s].
     out : path, optional
         Folder for page, answer and extended vehicle file; nothing is written without it.
     seed : int
@@ -107,6 +110,7 @@ def diagnose(
         channels=channels,
         hold_out=_texts(hold_out),
         hold_out_share=hold_out_share,
+        at_most_s=at_most_s,
         seed=seed,
         progress=progress,
     )
@@ -122,6 +126,7 @@ def find(
     channels: str | Path | None = None,
     hold_out: Sequence[str] = (),
     hold_out_share: float = 0.0,
+    at_most_s: float | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Found:
@@ -141,7 +146,13 @@ def find(
     )
 
     findings = diagnose_manoeuvres(
-        searched, car, hold_out=held_out, hold_out_share=hold_out_share, seed=seed, progress=progress
+        searched,
+        car,
+        hold_out=held_out,
+        hold_out_share=hold_out_share,
+        at_most_s=at_most_s,
+        seed=seed,
+        progress=progress,
     )
     answer = findings.diagnosis.model_copy(
         update={
@@ -216,14 +227,19 @@ def write(found: Found, folder: Path, *, stops: bool = True) -> Written:
     extended = folder / VEHICLE_FILE
     extended.unlink(missing_ok=True)
     answer = write_extension(found.findings, extended, found.vehicle, found.vehicle_argument)
+    _write_answer(answer, folder)  # of minutes of searching nothing is lost, should a stop or the page fail
     if stops and answer.extension_file:
         answer = with_stops(answer, found.vehicle_argument, extended)
+        _write_answer(answer, folder)
     findings = replace(found.findings, diagnosis=answer)
     build(findings, folder)
+    return Written(findings, folder)
+
+
+def _write_answer(answer: Diagnosis, folder: Path) -> None:
     partial = folder / f".{ANSWER_FILE}.partial"
     partial.write_text(json.dumps(answer_json(answer), indent=2, ensure_ascii=False) + "\n", "utf-8")
     os.replace(partial, folder / ANSWER_FILE)
-    return Written(findings, folder)
 
 
 def default_folder(logs: Sequence[str]) -> Path:

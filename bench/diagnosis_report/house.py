@@ -8,12 +8,13 @@ from markupsafe import Markup, escape
 
 from bench.diagnosis_report.words import WHEEL_WORDS, plain
 from bench.report.formatting import number
+from model_diagnosis.result import LIT_RATIO, ViolatedEquation
 from signals.wheels import WHEELS
 
 WIDTH = 720
 ROOF_HEIGHT, FLOOR_HEIGHT, GAP = 96, 70, 10
-LEAST_RATIO = 9.0
-"""Likelihood ratio (chi-squared of one parameter) below which a balance counts as kept: about one in 400."""
+LEAST_RATIO = LIT_RATIO
+"""Likelihood ratio below which a balance counts as kept."""
 
 
 @dataclass(frozen=True)
@@ -38,27 +39,33 @@ FLOORS: tuple[tuple[Room, ...], ...] = (
 ROOF = Room("sensor chain", "sensor chain", "y = s x(t − τ) + offset + noise")
 
 
-def house_of_equations(likelihood_ratios: Mapping[str, float]) -> Markup:
+def house_of_equations(
+    equation_errors: Mapping[str, float], innovations: Mapping[str, ViolatedEquation] | None = None
+) -> Markup:
     """Draw the house; empty where nothing was localised.
 
     Parameters
     ----------
-    likelihood_ratios : mapping
-        Balance -> likelihood ratio of "this balance has an error of its own" against "it has none".
+    equation_errors : mapping
+        Balance -> likelihood ratio of "this balance has an error of its own" against "it has none", by equation error.
+    innovations : mapping, optional
+        The same by the innovations of the stochastic replay, which light the rooms where they are there.
     """
-    if not likelihood_ratios:
+    by_innovations = {name: one.likelihood_ratio for name, one in (innovations or {}).items()}
+    if not equation_errors and not by_innovations:
         return Markup("")
-    ratios = grouped(likelihood_ratios)
+    ratios, beside = grouped(by_innovations or equation_errors), grouped(equation_errors)
     highest = max(ratios.values())
     height = ROOF_HEIGHT + GAP + (FLOOR_HEIGHT + GAP) * len(FLOORS) + 6
     label = f"house of equations; most violated: {max(ratios, key=lambda key: ratios[key])}"
     parts = [f'<svg class="house" viewBox="0 0 {WIDTH} {height}" role="img" aria-label="{escape(label)}">']
-    parts.append(_roof(ratios.get(ROOF.key), highest))
+    parts.append(_roof(ratios.get(ROOF.key), highest, _numbers(ROOF, ratios, beside, by_innovations)))
     for level, rooms in enumerate(FLOORS):
         top = ROOF_HEIGHT + GAP + level * (FLOOR_HEIGHT + GAP)
         width = (WIDTH - GAP * (len(rooms) - 1)) / len(rooms)
         for place, room in enumerate(rooms):
-            parts.append(_room(room, ratios.get(room.key), highest, place * (width + GAP), top, width))
+            text = _numbers(room, ratios, beside, by_innovations)
+            parts.append(_room(room, ratios.get(room.key), highest, place * (width + GAP), top, width, text))
     return Markup("".join([*parts, "</svg>"]))
 
 
@@ -87,30 +94,43 @@ def brightness(ratio: float | None, highest: float) -> float:
     return 0.15 + 0.85 * (math.log(ratio / LEAST_RATIO) / math.log(highest / LEAST_RATIO) if highest > ratio else 1.0)
 
 
-def _roof(ratio: float | None, highest: float) -> str:
+def _roof(ratio: float | None, highest: float, text: str) -> str:
     outline = f"{WIDTH / 2},2 {WIDTH - 2},{ROOF_HEIGHT} 2,{ROOF_HEIGHT}"
     return (
         f'<g class="{_state(ratio, highest)}"><polygon class="wall" points="{outline}"/>'
         f'<polygon class="light" points="{outline}" fill-opacity="{brightness(ratio, highest):.2f}"/>'
-        f"{_texts(ROOF, ratio, WIDTH / 2, ROOF_HEIGHT - 44)}</g>"
+        f"{_texts(ROOF, text, WIDTH / 2, ROOF_HEIGHT - 44)}</g>"
     )
 
 
-def _room(room: Room, ratio: float | None, highest: float, left: float, top: float, width: float) -> str:
+def _room(room: Room, ratio: float | None, highest: float, left: float, top: float, width: float, text: str) -> str:
     box = f'x="{left + 1:.1f}" y="{top + 1:.1f}" width="{width - 2:.1f}" height="{FLOOR_HEIGHT - 2}" rx="6"'
     return (
         f'<g class="{_state(ratio, highest)}"><rect class="wall" {box}/>'
         f'<rect class="light" {box} fill-opacity="{brightness(ratio, highest):.2f}"/>'
-        f"{_texts(room, ratio, left + width / 2, top + 24)}</g>"
+        f"{_texts(room, text, left + width / 2, top + 24)}</g>"
     )
 
 
-def _texts(room: Room, ratio: float | None, x: float, y: float) -> str:
-    value = "not seen in this data" if ratio is None else f"LR {number(max(ratio, 0.0), 3)}"
+def _numbers(
+    room: Room, ratios: Mapping[str, float], beside: Mapping[str, float], by_innovations: Mapping[str, float]
+) -> str:
+    """Likelihood ratios of a room: by innovations, and by equation error."""
+    if room.key not in ratios and room.key not in beside:
+        return "not seen in this data"
+    if not by_innovations:
+        return f"LR {number(max(ratios[room.key], 0.0), 3)}"
+    return " · ".join(
+        f"{word} {number(max(values[room.key], 0.0), 3)}" if room.key in values else f"{word} –"
+        for word, values in (("LR", ratios), ("by balance", beside))
+    )
+
+
+def _texts(room: Room, text: str, x: float, y: float) -> str:
     return (
         f'<text class="name" x="{x:.1f}" y="{y:.1f}" text-anchor="middle">{escape(room.title)}</text>'
         f'<text class="formula" x="{x:.1f}" y="{y + 18:.1f}" text-anchor="middle">{escape(room.formula)}</text>'
-        f'<text class="ratio" x="{x:.1f}" y="{y + 35:.1f}" text-anchor="middle">{escape(value)}</text>'
+        f'<text class="ratio" x="{x:.1f}" y="{y + 35:.1f}" text-anchor="middle">{escape(text)}</text>'
     )
 
 

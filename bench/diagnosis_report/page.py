@@ -27,7 +27,7 @@ from bench.report.page_rendering import render
 from model_diagnosis.effects.catalogue import effect as find_effect
 from model_diagnosis.findings import Findings
 from model_diagnosis.rating import grade, ratings_of
-from model_diagnosis.result import Cause, DataFault, Diagnosis
+from model_diagnosis.result import LIT_RATIO, Cause, DataFault, Diagnosis
 
 _ICONS = {"pass": "%2312713f", "fail": "%23b3132f", "inconclusive": "%23b07a00"}
 _SYMBOLS = {"pass": "✓", "fail": "≠", "inconclusive": "?"}
@@ -68,7 +68,8 @@ def page_of(findings: Findings) -> str:
         "other_charts": book.sections[_COMPARED:],
         "ranges": _ranges(timeline),
         "maps": residual_maps(findings, signals),
-        "house": house_of_equations(diagnosis.guilty_equations),
+        "house": house_of_equations(diagnosis.guilty_equations, diagnosis.guilty_by_innovations),
+        "violated": _violated(diagnosis),
         "outside": [(plain(name), number(ratio, 3)) for name, ratio in outside(diagnosis.guilty_equations)],
         "causes": [_cause(cause) for cause in diagnosis.causes],
         "faults": [_fault(fault) for fault in diagnosis.data_faults],
@@ -146,6 +147,15 @@ def _tiles(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
 def _ranges(timeline: Timeline) -> list[tuple[str, float, float]]:
     everything = [("all manoeuvres", 0.0, float(timeline.time[-1]))]
     return everything + [(s.name, s.start_s, s.end_s) for s in timeline.stretches[:24]]
+
+
+def _violated(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """Equations that the innovations show as violated, with the size of the error that each would need."""
+    return [
+        (plain(name), quantity(one.error, one.unit))
+        for name, one in diagnosis.guilty_by_innovations.items()
+        if one.likelihood_ratio > LIT_RATIO
+    ]
 
 
 def _cause(cause: Cause) -> dict[str, Any]:

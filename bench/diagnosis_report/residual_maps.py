@@ -50,6 +50,8 @@ STEMS = {
     "pressure": ("brake_pressure_", 1.0),
     "temperature": ("brake_disc_temperature_", 1.0),
 }
+LEAST_SPAN = {"speed": 1.0, "brake_slip": 0.005, "slip_angle": 0.003, "pressure": 1e5, "temperature": 5.0}
+"""Span of a state [m/s, 1, rad, Pa, K] over which a mean says anything: a disc that warms by half a degree does not."""
 LATERAL = ("lateral_acceleration", "yaw_rate", "lateral_speed", "side_slip_angle", "roll_rate", "roll_angle")
 
 
@@ -80,7 +82,7 @@ def residual_maps(findings: Findings, signals: Sequence[str]) -> list[tuple[str,
 
 
 def binned_residual(findings: Findings, signal: str, state: str) -> Binned | None:
-    """Mean residual of a signal over a state, all manoeuvres together; None where the data has no such state.
+    """Mean residual of a signal over a state, all manoeuvres together; None where it hardly changes or is not there.
 
     Parameters
     ----------
@@ -103,9 +105,11 @@ def binned_residual(findings: Findings, signal: str, state: str) -> Binned | Non
         before.append((part.measured - part.before)[valid, column])
         after.append((part.measured - part.after)[valid, column])
     all_values = np.concatenate(over) if over else np.zeros(0)
-    if not len(all_values) or np.ptp(all_values) <= 0.0:
+    if not len(all_values):
         return None
     low, high = (float(value) for value in np.quantile(all_values, [0.005, 0.995]))
+    if high - low < LEAST_SPAN[state]:
+        return None
     edges = np.linspace(low, high, BINS + 1)
     place = np.clip(np.searchsorted(edges, all_values, side="right") - 1, 0, BINS - 1)
     counts = np.bincount(place, minlength=BINS)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from bench.codec.codec import Codec
 from bench.injection.contents import BusContents
 from bench.injection.records import frame_of, is_error, write_error_frame, write_frame
-from bench.injection.signals import counter_name
+from bench.injection.signals import counter_name, figure_name
 from bench.links.frame import OPAQUE_DTYPE, TICK_NS, new_frames
 from can_fault_injector.faults.bit_stage import Delivered
 from can_fault_injector.faults.engine import Injector, Published
@@ -65,6 +65,11 @@ class InjectorInRun:
         self._counters = [
             (node, vector.index(counter_name(node, "transmit")), vector.index(counter_name(node, "receive")))
             for node in NODES
+        ]
+        self._figures = [
+            (vector.index(figure_name(running.fault, figure)), running.figures, figure)
+            for running in self.engine.faults
+            for figure in running.figures
         ]
         self._totals = {
             vector.index(f"injector.{name}"): name for name in ("frames_disturbed", "frames_lost", "error_frames")
@@ -157,6 +162,8 @@ class InjectorInRun:
             values[position] = running.acting
         for position, name in self._totals.items():
             values[position] = engine.counts[name]
+        for position, figures, name in self._figures:
+            values[position] = figures[name]
         for node, transmit, receive in self._counters:
             values[transmit], values[receive] = engine.error_counters(node)
 

@@ -19,6 +19,11 @@ def counter_name(node: str, which: str) -> str:
     return f"injector.{which}_errors_{node}"
 
 
+def figure_name(fault: Fault, figure: str) -> str:
+    """Signal of what a fault measures on its frames."""
+    return f"injector.{fault.name}_{figure}"
+
+
 def injector_signals(faults: Sequence[Fault]) -> tuple[Signal, ...]:
     """The signals; none without faults."""
     if not faults:
@@ -30,4 +35,9 @@ def injector_signals(faults: Sequence[Fault]) -> tuple[Signal, ...]:
         for which in ("transmit", "receive")
     }
     texts = named | _COUNTS | counters
-    return tuple(Signal(name, "1", text, BLOCK, "1", 1.0) for name, text in texts.items())
+    measured = [
+        Signal(figure_name(fault, figure), unit, f"{text}, of the last frame of fault {fault.name}", BLOCK, unit, 1.0)
+        for fault in faults
+        for figure, (unit, text) in fault.disturbance.model.figures.items()
+    ]
+    return (*(Signal(name, "1", text, BLOCK, "1", 1.0) for name, text in texts.items()), *measured)

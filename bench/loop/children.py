@@ -12,7 +12,8 @@ from typing import IO
 
 from bench.loop.scheduling import CorePlan
 
-STOP_TIMEOUT_S = 2.0
+STOP_TIMEOUT_S = 10.0
+"""For a helper to end when it is told to: on a busy machine its interpreter alone takes seconds to leave."""
 
 
 @dataclass

@@ -9,6 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
+import numpy as np
+
+from bench.codec.codec import AGE_NAMES, Codec, Receiver
+from bench.codec.mapping_file import BUS_NAMES
 from bench.links.interface import Link
 from bench.loop.children import Child, on_helper_cores, start_module
 from bench.loop.ecu_sides import BarrierEcu, InProcessEcu, LinkedEcu, NoEcu
@@ -152,7 +156,7 @@ def _open_link(scenario: ScenarioFile) -> Link:
     return link
 
 
-def connect(scenario: ScenarioFile, codec: Any, cores: CorePlan, log: IO[bytes] | None = None) -> Connection:
+def connect(scenario: ScenarioFile, codec: Codec, cores: CorePlan, log: IO[bytes] | None = None) -> Connection:
     """Open the bus side that a scenario asks for.
 
     Raises
@@ -172,21 +176,27 @@ def connect(scenario: ScenarioFile, codec: Any, cores: CorePlan, log: IO[bytes] 
         )
     if ecu.kind == "none" and ecu.link in (None, "virtual"):
         return Connection(NoEcu(), "virtual", lambda: {"kind": "virtual"}, expect="silent")
-    return _connect_link(scenario, cores, log)
+    return _connect_link(scenario, codec, cores, log)
 
 
-def _connect_link(scenario: ScenarioFile, cores: CorePlan, log: IO[bytes] | None) -> Connection:
+def _connect_link(scenario: ScenarioFile, codec: Codec, cores: CorePlan, log: IO[bytes] | None) -> Connection:
     ecu = scenario.ecu
     link = _open_link(scenario)
     if ecu.kind == "emulated":
-        connect_emulated = _in_lockstep if scenario.pacing == "lockstep" else _in_real_time
-        return connect_emulated(ecu, link, cores, log)
+        if scenario.pacing == "lockstep":
+            return _in_lockstep(ecu, link, cores, log)
+        return _in_real_time(ecu, link, _ecu_frames(codec, ecu), cores, log)
     side = LinkedEcu(link, ecu.first_answer)
     expect = ecu.expect if ecu.kind == "external" else "silent"
     connection = Connection(side, link.text, link.statistics, expect=expect)
     if expect != "silent":
-        _or_close(connection, side.wait_until_heard)
+        _or_close(connection, lambda: side.wait_until_heard(_ecu_frames(codec, ecu)))
     return connection
+
+
+def _ecu_frames(codec: Codec, ecu: Ecu) -> Receiver:
+    """A receiver of the ECU's messages that only listens for them."""
+    return codec.receiver("bench", np.zeros(len(BUS_NAMES)), np.zeros(len(AGE_NAMES)), protection=ecu.protection)
 
 
 def _starts_silent(ecu: Ecu) -> bool:
@@ -204,13 +214,13 @@ def _start_ecu(ecu: Ecu, link: Link, cores: CorePlan, log: IO[bytes] | None, mor
         return start_module("ecu", "bench.ecu.process", arguments, log=log)
 
 
-def _in_real_time(ecu: Ecu, link: Link, cores: CorePlan, log: IO[bytes] | None) -> Connection:
+def _in_real_time(ecu: Ecu, link: Link, ecu_frames: Receiver, cores: CorePlan, log: IO[bytes] | None) -> Connection:
     child = _start_ecu(ecu, link, cores, log)
     # its first start compiles: that is the bench's time, not the ECU's
     side = LinkedEcu(link, max(ecu.first_answer, START_TIMEOUT_S))
     connection = Connection(side, link.text, link.statistics, child, ecu.expect)
     if ecu.expect != "silent":
-        _or_close(connection, lambda: side.wait_until_heard(lambda: child.exit_code is None))
+        _or_close(connection, lambda: side.wait_until_heard(ecu_frames, lambda: child.exit_code is None))
     return connection
 
 

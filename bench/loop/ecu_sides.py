@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.codec.codec import Receiver
 from bench.links.barrier import BarrierServer, PeerLost
 from bench.links.frame import FRAME_DTYPE, OPAQUE_DTYPE, TRANSMITTED
 from bench.links.interface import Link
@@ -112,14 +113,15 @@ class LinkedEcu:
         self._link = link
         self._first_answer_s = first_answer_s
         self._shift_ns = 0
-        self._early = np.zeros(MAX_FRAMES, FRAME_DTYPE)
-        self._early_count = 0
+        self._before_the_clock = np.zeros(MAX_FRAMES, FRAME_DTYPE)
 
-    def wait_until_heard(self, is_alive: Callable[[], bool] = lambda: True) -> None:
-        """Wait for the ECU's first frame, so that a run begins with an ECU that is there.
+    def wait_until_heard(self, ecu_frames: Receiver, is_alive: Callable[[], bool] = lambda: True) -> None:
+        """Wait for the ECU's first good frame, so that a run begins with an ECU that is there.
 
         Parameters
         ----------
+        ecu_frames : Receiver
+            Tells the ECU's frames from those of others on the bus.
         is_alive : callable
             False once the ECU's process has ended, which ends the wait.
 
@@ -128,9 +130,9 @@ class LinkedEcu:
         RunError
             If no frame comes in time.
         """
-        frames = np.zeros(MAX_FRAMES, FRAME_DTYPE)
         deadline = time.monotonic() + self._first_answer_s
-        while not self._link.receive(frames):
+        heard = self._before_the_clock
+        while not ecu_frames.accept(heard, self._link.receive(heard), 0):
             if not is_alive():
                 raise RunError("the emulated ECU ended before it answered", mend="see log.txt in the run's folder")
             if time.monotonic() > deadline:
@@ -141,19 +143,20 @@ class LinkedEcu:
             self._link.wait(0.01)
 
     def prepare(self) -> None:
-        """Take what has arrived since the ECU was first heard, so that the first tick finds no backlog to read."""
-        self._early_count = self._link.receive(self._early)
+        """Drop what has arrived since the ECU was first heard: the frames of a run begin with its clock.
+
+        Preparations that take long overflow the receive buffer, which keeps the oldest frames. A receiver that began
+        with those would refuse the first frames of the run by their counters.
+        """
+        while self._link.receive(self._before_the_clock) == MAX_FRAMES:
+            pass
 
     def receive(self, tick: int, frames: NDArray[np.void]) -> int:
-        """Everything that arrived since the last tick; in the first tick also what came before it."""
-        count = 0
-        if tick == 0:
-            if self.origin_ns:
-                # the recording began when its processes were started; its time is counted from this tick on
-                self._shift_ns = self.origin_ns - time.time_ns()
-            count = self._early_count
-            frames[:count] = self._early[:count]
-        count += self._link.receive(frames, count)
+        """Everything that arrived since the last tick."""
+        if tick == 0 and self.origin_ns:
+            # the recording began when its processes were started; its time is counted from this tick on
+            self._shift_ns = self.origin_ns - time.time_ns()
+        count = self._link.receive(frames)
         frames["tick"][:count] = tick
         frames["timestamp_ns"][:count] += self._shift_ns
         return count

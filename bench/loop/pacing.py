@@ -19,10 +19,11 @@ SPIN_DECAY = 0.999
 
 @dataclass
 class TickTimes:
-    """Four numbers per tick, in ns: how late it began, how long it took, its processor time, and ticks skipped.
+    """Three numbers per tick, in ns: how late it began, how long it took, its processor time; and what was missed.
 
-    Lateness holds the machine's wake-up latency and what an earlier tick carried over; ``cpu_ns`` is the tick's own
-    work, so a late end with little processor time is the machine's doing.
+    ``overruns`` counts the ticks that ended after the next deadline, ``skipped`` those that were left out. Lateness
+    holds the machine's wake-up latency and what an earlier tick carried over; ``cpu_ns`` is the tick's own work, so a
+    late end with little processor time is the machine's doing.
     """
 
     lateness_ns: NDArray[np.int64]
@@ -30,6 +31,7 @@ class TickTimes:
     cpu_ns: NDArray[np.int64]
     count: int = 0
     skipped: int = 0
+    overruns: int = 0
 
     @classmethod
     def for_ticks(cls, ticks: int) -> "TickTimes":
@@ -110,7 +112,9 @@ class RealtimePacer:
         """Note how long the tick took."""
         times = self.times
         times.cpu_ns[tick] = time.thread_time_ns() - self._cpu_ns
-        times.duration_ns[tick] = time.perf_counter_ns() - self._wake_ns
+        duration = time.perf_counter_ns() - self._wake_ns
+        times.duration_ns[tick] = duration
+        times.overruns += bool(times.lateness_ns[tick] + duration > PERIOD_NS)
         times.count = tick + 1
 
 

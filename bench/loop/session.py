@@ -277,7 +277,7 @@ class Session:
     def _run(self, recorder: Recorder, pacer: Pacer, rehearse: Callable[[], None] | None) -> None:
         tick = self.put_together(recorder)
         values = self.parts.vector.values
-        lateness, cpu_time = self.parts.vector.index("lateness"), self.parts.vector.index("tick_cpu_time")
+        lateness, cpu_time, overruns = map(self.parts.vector.index, ("lateness", "tick_cpu_time", "overruns"))
         times = pacer.times
         timed = times.lateness_ns.size > 0
         pacer.prepare()
@@ -290,6 +290,7 @@ class Session:
             if timed:
                 values[lateness] = times.lateness_ns[n] * 1e-9
                 values[cpu_time] = times.cpu_ns[n - 1] * 1e-9 if n else 0.0
+                values[overruns] = times.overruns
             tick.run(n)
             pacer.done(n)
             self.ticks_done = n + 1

@@ -4,6 +4,7 @@ import math
 import os
 import time
 
+from bench.report.car_render import View
 from bench.report.car_scene import Pose, scene
 from signals.errors import RunError
 from vehicle_model.vehicle_file import VehicleFile
@@ -29,8 +30,12 @@ def show(vehicle: VehicleFile) -> None:
 
     model = mujoco.MjModel.from_xml_string(scene(vehicle))
     data = mujoco.MjData(model)
-    height = vehicle.body.centre_of_gravity_height
-    with mujoco.viewer.launch_passive(model, data) as window:
+    height, view = vehicle.body.centre_of_gravity_height, View()
+    with mujoco.viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False) as window:
+        with window.lock():  # MuJoCo's own choice stands inside the car
+            window.cam.lookat[:] = 0.0, 0.0, height
+            window.cam.distance = view.distance * vehicle.body.length
+            window.cam.azimuth, window.cam.elevation = view.azimuth_deg, view.elevation_deg
         began = time.monotonic()
         while window.is_running():
             elapsed = time.monotonic() - began

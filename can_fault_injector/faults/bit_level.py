@@ -1,6 +1,8 @@
 """Disturbances of single bits, of the frame's rules, and of flags: only a model of bits, or a device, can do them."""
 
 import re
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, Field
@@ -26,6 +28,7 @@ _TAP = (
     "receive: what a node sees (default: the controller behind the injector); transmit: what it sends; bus: everybody"
 )
 _NODE = "node of the tap; without it the receiver behind the injector, or the sender"
+_SLOWEST, _FASTEST = 10e3, 1e6
 
 
 class BitDisturbance(DisturbanceModel):
@@ -139,6 +142,25 @@ class Janus(BitDisturbance):
         pattern=r"^([0-9A-Fa-f]{2}){0,8}$",
         description="payload that the controller behind the injector reads, hexadecimal; its length and number of "
         "stuffed bits are those of the original",
+    )
+
+
+class InLineDevice(BitDisturbance):
+    """The device in series, changing nothing (F1 of the friction document): each edge leaves it later (Table 7)."""
+
+    e2e: ClassVar[E2EClass] = "delay"
+    figures: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
+        {
+            "delay": ("s", "delay of the edge at the start of the frame"),
+            "delay_share": ("1", "that delay in bit times"),
+            "window_overlap": ("1", "1 if the sampling windows of both sides, 50 % to 80 % of the bit, overlap"),
+            "passed_late": ("1", "1 if the acknowledgement is back in time for a sample at 80 % of the bit"),
+            "passed_early": ("1", "1 if it is back in time for a sample at 50 % of the bit"),
+            "frame_time": ("s", "duration of the frame: what a gateway of whole frames delays by at least"),
+        }
+    )
+    bit_rate: float = parameter(
+        "Hz", low=_SLOWEST, high=_FASTEST, description="bits per second of the line that is looked at (Table 7)"
     )
 
 

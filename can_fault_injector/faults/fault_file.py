@@ -46,6 +46,7 @@ class Disturbance(FileModel):
         default=None, description="some receivers have the frame, one does not"
     )
     janus: bit_level.Janus | None = Field(default=None, description="one frame, two contents")
+    in_line_device: bit_level.InLineDevice | None = Field(default=None, description="forwarded below a bit later")
     bus_off_attack: bit_level.BusOffAttack | None = Field(default=None, description="destroyed until bus-off")
 
     drop: frame_level.Drop | None = Field(default=None, description="frame not handed on")

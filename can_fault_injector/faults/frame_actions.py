@@ -1,4 +1,4 @@
-"""What the frame-level and signal-level disturbances make of a frame: none, one or several, now or later."""
+"""What disturbances of frames and signals, and the device in series, make of a frame: none, one or several of them."""
 
 from collections import deque
 from collections.abc import Callable
@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from can_fault_injector.delay_model import windows_overlap
+from can_fault_injector.faults import bit_level as bl
 from can_fault_injector.faults import frame_level as fl
 from can_fault_injector.faults import signal_level as sl
 from can_fault_injector.faults.contents import Contents
@@ -15,6 +17,7 @@ from can_fault_injector.faults.running import NS_PER_S, RunningFault, Way
 from can_fault_injector.faults.trigger import EXTENDED_MASK, STANDARD_MASK
 from can_fault_injector.fields import FD_LENGTHS
 from can_fault_injector.frame import Frame
+from can_fault_injector.in_line import forward
 
 LONGEST_HISTORY = 4096
 _CLASSIC_BYTES = 8
@@ -189,7 +192,24 @@ def _swap(model: sl.SwapWheels, on: Passage) -> list[Release]:
     return on.now(on.repaired(on.contents.changed(on.frame, new), model.repair))
 
 
+def _in_line(model: bl.InLineDevice, on: Passage) -> list[Release]:
+    forwarded = forward(on.frame, model.bit_rate, on.fault.generator)
+    on.fault.figures |= {
+        "delay": forwarded.delay_ns / NS_PER_S,
+        "delay_share": forwarded.share,
+        "window_overlap": float(windows_overlap(forwarded.share)),
+        "passed_late": float(forwarded.passed_late),
+        "passed_early": float(forwarded.passed_early),
+        "frame_time": forwarded.frame_ns / NS_PER_S,
+    }
+    if not forwarded.passed_late:
+        on.fault.note(on.now_ns, "cannot", f"at {model.bit_rate:g} bit/s the acknowledgement comes back too late")
+        return []
+    return [Release(on.now_ns + round(forwarded.delay_ns), on.frame)]
+
+
 ACTIONS: dict[type[DisturbanceModel], Action] = {
+    bl.InLineDevice: _in_line,
     fl.Drop: _drop,
     fl.Duplicate: _duplicate,
     fl.Delay: _delay,

@@ -1,5 +1,7 @@
 """What every disturbance says of itself: its kind of fault, the level at which it is real, its class of E2E faults."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import ClassVar, Literal, get_args
 
 from signals.quantities import FileModel
@@ -50,12 +52,15 @@ class DisturbanceModel(FileModel):
         Level at which the bench's own model does it; on a real bus it may be less, see `realised_level`.
     continuous : bool
         It lasts, while its trigger holds or for a duration; else it acts on each matching frame.
+    figures : mapping
+        What it measures on a frame: name, (SI unit, description). In a run each is a signal of its own.
     """
 
     group: ClassVar[Group]
     e2e: ClassVar[E2EClass]
     realised_as: ClassVar[Level]
     continuous: ClassVar[bool] = False
+    figures: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType({})
 
     @property
     def lasts(self) -> bool:

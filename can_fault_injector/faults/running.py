@@ -70,6 +70,8 @@ class RunningFault:
         self.generator = generator
         self.memory: dict[Any, Any] = {}
         """What the disturbance remembers from frame to frame while it acts."""
+        self.figures = dict.fromkeys(self.model.figures, 0.0)
+        """What the disturbance measured on the last frame, see `DisturbanceModel.figures`."""
         self.hits = 0
         self.runs = 0
         self.acting = False

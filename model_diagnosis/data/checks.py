@@ -6,13 +6,24 @@ import numpy as np
 
 from model_diagnosis.data.command_checks import command_fault, find_command
 from model_diagnosis.data.delay_acceptance import accepted_delays
-from model_diagnosis.data.delay_checks import Late, candidates, explain_lags, fault_of, lag_relations, shifted
+from model_diagnosis.data.delay_checks import (
+    PLAIN_GAIN,
+    Late,
+    candidates,
+    explain_lags,
+    fault_of,
+    lag_relations,
+    shifted,
+)
+from model_diagnosis.data.drift_checks import check_drift
 from model_diagnosis.data.faults import distinct
 from model_diagnosis.data.geometry import Geometry, geometry_of
 from model_diagnosis.data.level_checks import check_constant, check_load_sign, restore_wraps
 from model_diagnosis.data.low_pass_checks import check_low_pass
 from model_diagnosis.data.replayed import ReplayFactory, replayed_manoeuvres
 from model_diagnosis.data.swap_checks import check_swapped_wheels
+from model_diagnosis.data.undefined_values import check_free_wheels
+from model_diagnosis.data.undriven_forces import check_undriven_forces
 from model_diagnosis.data.unit_checks import check_units
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.result import DataFault
@@ -40,12 +51,14 @@ def check_data(
     reading = [fault for m in manoeuvres for fault in m.reading_faults]
     faults: list[DataFault] = list(reading)
     repaired = restore_wraps(manoeuvres, reading, geometry)
-    for check in (check_constant, check_load_sign):
+    for check in (check_constant, check_load_sign, check_free_wheels, check_undriven_forces):
         found, repaired = check(repaired)
         faults += found
     for compare in (check_units, check_swapped_wheels):
         found, repaired = compare(repaired, geometry)
         faults += found
+    found, repaired = check_drift(repaired, geometry)
+    faults += found
     replayable = replay if replay is not None and _can_be_replayed(repaired, vehicle, replay) else None
     found, repaired = check_low_pass(repaired, geometry, _replayed(repaired, vehicle, replayable))
     faults += found
@@ -85,8 +98,10 @@ def _check_delays(
         repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
     if commands:
         relations = lag_relations(repaired, geometry, replayed)
-    late_sets = explain_lags(relations, candidates(repaired))
-    large = [late for late in late_sets if replay is None or abs(late.delay_s) > _LARGE_DELAY_S]
+    late_sets = explain_lags(relations, candidates(repaired), proposed=replay is not None)
+    large = [
+        late for late in late_sets if replay is None or (abs(late.delay_s) > _LARGE_DELAY_S and late.gain > PLAIN_GAIN)
+    ]
     for late in large:
         repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
     small: list[Late] = []

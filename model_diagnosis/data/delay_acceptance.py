@@ -4,14 +4,15 @@ Low friction, a long relaxation length or brake drag shift phases too (by up to 
 before and after the shift tells them apart: what physics can explain, the refit explains without a shift.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.data.delay_checks import Late, shifted
 from model_diagnosis.data.replayed import FloatArray, ReplayFactory, ReplayModel
-from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from vehicle_model.vehicle_file import VehicleFile
 
 IMPOSTORS = (
@@ -37,6 +38,10 @@ IMPOSTORS = (
 _MARGIN = 200.0
 _MARGIN_SAMPLES = 43_200
 _ORDER = 4
+_FARTHEST = 2
+_AGREEMENT_S = 0.006
+"""Difference between what innovations and correlation say above which neither is believed: physics bends phases more
+than it shifts them."""
 
 
 def accepted_delays(
@@ -53,12 +58,54 @@ def accepted_delays(
     slopes = model.sensitivities(np.zeros(len(model.columns)), chosen)
     score, samples = refitted_innovations(model, slopes, chosen)
     for late in sorted(delays, key=lambda one: -one.gain):
-        trial = [shifted(m, late.channels, late.delay_s) for m in current]
-        trial_score, _ = refitted_innovations(replay(vehicle, trial), slopes, chosen)
-        if score - trial_score > _MARGIN * min(1.0, samples / _MARGIN_SAMPLES):
-            accepted.append(late)
-            current, score = trial, trial_score
+        trials = _Trials(late, current, {0: score}, vehicle, replay, slopes, chosen)
+        best = _best_shift(trials.score, round(late.delay_s / SAMPLE_TIME_S))
+        delay_s = SAMPLE_TIME_S * _vertex(trials.score, best)
+        agrees = abs(delay_s - late.delay_s) < _AGREEMENT_S
+        if agrees and score - trials.score(best) > _MARGIN * min(1.0, samples / _MARGIN_SAMPLES):
+            accepted.append(replace(late, delay_s=delay_s))
+            current, score = trials.manoeuvres(best), trials.score(best)
     return accepted, current
+
+
+@dataclass(frozen=True)
+class _Trials:
+    """Manoeuvres with the channels of a late set shifted by whole samples, and the scores of those tried."""
+
+    late: Late
+    base: Sequence[Manoeuvre]
+    tried: dict[int, float]
+    vehicle: VehicleFile
+    replay: ReplayFactory
+    slopes: Sequence[FloatArray]
+    chosen: Sequence[int]
+
+    def manoeuvres(self, shift: int) -> list[Manoeuvre]:
+        return [shifted(m, self.late.channels, shift * SAMPLE_TIME_S) for m in self.base]
+
+    def score(self, shift: int) -> float:
+        if shift not in self.tried:
+            model = self.replay(self.vehicle, self.manoeuvres(shift))
+            self.tried[shift] = refitted_innovations(model, self.slopes, self.chosen)[0]
+        return self.tried[shift]
+
+
+def _best_shift(score_of: Callable[[int], float], start: int) -> int:
+    """Whole samples of the smallest score, downhill from a first guess."""
+    best = start
+    for _ in range(_FARTHEST):
+        lower = min((best - 1, best, best + 1), key=score_of)
+        if lower == best:
+            break
+        best = lower
+    return best
+
+
+def _vertex(score_of: Callable[[int], float], best: int) -> float:
+    """Place of the least score between samples, by the parabola through three."""
+    before, least, after = (score_of(best + step) for step in (-1, 0, 1))
+    bend = before - 2.0 * least + after
+    return best + (0.5 * (before - after) / bend if bend > 0.0 else 0.0)
 
 
 def refitted_innovations(model: ReplayModel, slopes: Sequence[FloatArray], chosen: Sequence[int]) -> tuple[float, int]:

@@ -14,7 +14,7 @@ from model_diagnosis.data.faults import joined
 from model_diagnosis.data.geometry import Geometry
 from model_diagnosis.data.lags import COARSE_BAND_HZ, FINE_BAND_HZ, find_lag
 from model_diagnosis.data.samples import FloatArray
-from model_diagnosis.data.twins import Twin, members, twins_of
+from model_diagnosis.data.twins import Twin, members, reached, slope, twins_of
 from model_diagnosis.data.unit_checks import CORRELATED
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
@@ -26,7 +26,20 @@ _REPLAYED_TOLERANCE_S = 0.006
 _LAG_UNCERTAINTY = 0.25
 _FOLLOWS = 0.7
 _NAMED_S = 0.015
+_ANSWERS = (
+    ("wheel_speed", "brake_pressure"),
+    ("longitudinal_acceleration", "brake_pressure"),
+    ("speed", "brake_pressure"),
+    ("yaw_rate", "steering"),
+    ("lateral_acceleration", "steering"),
+)
+_SAME = 0.8
+_OWN_TOLERANCE_S = 0.002
 _MARGIN = 16.0
+PLAIN_GAIN = 0.5 * _MARGIN
+"""Log likelihood from which a large delay needs no proof by innovations."""
+_PROPOSAL_PENALTY = 2.5
+_PROPOSED_S = 0.007
 _PENALTY = 9.0
 _MOST = 3
 
@@ -70,7 +83,37 @@ def lag_relations(
         relation = _lag_relation(twin, reference.get(twin.kind.name))
         if relation is not None:
             found.append(relation)
+    return found + (_own_relations(manoeuvres, replayed) if replayed else [])
+
+
+def _own_relations(manoeuvres: Sequence[Manoeuvre], replayed: Sequence[Manoeuvre]) -> list[LagRelation]:
+    """Lags of channels against their own replay, which answers the measured pressures and steering without delay."""
+    found = []
+    for group, early in _ANSWERS:
+        pairs = [
+            (one, other, members(group, list(one.channels)))
+            for one, other in zip(manoeuvres, replayed, strict=True)
+            if members(early, list(one.channels)) and members(group, list(one.channels))
+        ]
+        if not pairs:
+            continue
+        lag = find_lag(
+            [_course(one, names) for one, _, names in pairs],
+            [_course(other, names) for _, other, names in pairs],
+            [np.all([reached(one, name) for name in names], axis=0) for one, _, names in pairs],
+            widest_lag_s=0.15,
+            band_hz=FINE_BAND_HZ,
+            sign=1,
+        )
+        if lag.correlation > _SAME:
+            found.append(LagRelation(group, early, lag.lag_s, float(np.hypot(lag.std_s, _OWN_TOLERANCE_S))))
     return found
+
+
+def _course(manoeuvre: Manoeuvre, names: Sequence[str]) -> FloatArray:
+    """Mean of some channels, the change of speeds."""
+    mean: FloatArray = np.mean([manoeuvre.channels[name] for name in names], axis=0)
+    return slope(mean) if "speed" in names[0] else mean
 
 
 def _lag_relation(twin: Twin, simulated: Twin | None) -> LagRelation | None:
@@ -142,9 +185,10 @@ def _sets(origins: Mapping[str, str], *, message: bool) -> list[set[str]]:
     return sets if len(sets) > 1 else []
 
 
-def explain_lags(relations: Sequence[LagRelation], sets: Sequence[Late]) -> list[Late]:
+def explain_lags(relations: Sequence[LagRelation], sets: Sequence[Late], *, proposed: bool = False) -> list[Late]:
     """The fewest late sets that explain the lags, one after the other, each with its delay.
 
+    ``proposed`` ones are judged by innovations afterwards, so that less is asked of them here.
     A set of channels is late, seldom early: a negative delay needs more evidence unless it is a whole logger's clock.
     """
     accepted: list[Late] = []
@@ -155,22 +199,23 @@ def explain_lags(relations: Sequence[LagRelation], sets: Sequence[Late]) -> list
             if any(late.groups & other.groups == late.groups for other in accepted):
                 continue
             fitted, cost = _fit(relations, [*accepted, late])
-            price = _price(fitted[-1], relations)
+            price = _price(fitted[-1], relations, _PROPOSAL_PENALTY if proposed else _PENALTY)
             if best is None or cost + price < best[0]:
                 best = cost + price, [*fitted[:-1], replace(fitted[-1], gain=0.5 * (base - cost))]
-        if best is None or base - best[0] < _MARGIN - _PENALTY:
+        if best is None or base - best[0] < (0.0 if proposed else _MARGIN - _PENALTY):
             break
         newest = best[1][-1]
-        if abs(newest.delay_s) < max(_NAMED_S, 3.0 * newest.std_s):
+        least_s = _PROPOSED_S if proposed else max(_NAMED_S, 3.0 * newest.std_s)
+        if abs(newest.delay_s) < least_s:
             break
         accepted = best[1]
     return accepted
 
 
-def _price(late: Late, relations: Sequence[LagRelation]) -> float:
-    early = 0.0 if late.delay_s >= 0.0 or late.kind == "clock_offset" else 0.5 * _PENALTY
+def _price(late: Late, relations: Sequence[LagRelation], penalty: float) -> float:
+    early = 0.0 if late.delay_s >= 0.0 or late.kind == "clock_offset" else 0.5 * penalty
     touched = {g for r in relations for g in (r.late, r.early)}
-    return _PENALTY + early + 0.1 * len(late.groups - touched) + 0.01 * len(late.groups)
+    return penalty + early + 0.1 * len(late.groups - touched) + 0.01 * len(late.groups)
 
 
 def _fit(relations: Sequence[LagRelation], sets: Sequence[Late]) -> tuple[list[Late], float]:

@@ -61,6 +61,11 @@ def _span(drive: Drive) -> tuple[float, float]:
     return (min(begins), max(ends)) if begins else (0.0, 0.0)
 
 
+def begin_s(drive: Drive) -> float:
+    """Time of the first sample of any channel on the logs' clock [s]."""
+    return _span(drive)[0]
+
+
 def duration_s(drive: Drive) -> float:
     """Time from the first to the last sample of any channel [s]."""
     begin, end = _span(drive)

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from model_diagnosis.result import DataFault
 
-_ROUTINE = ("missing_channel", "can_jitter", "duplicate_samples", "clock_offset")
+_ROUTINE = ("missing_channel", "can_jitter", "duplicate_samples", "clock_offset", "clock_drift")
 """Kinds that are part of ordinary measuring once they are repaired or said."""
 
 

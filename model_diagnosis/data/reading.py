@@ -6,12 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from model_diagnosis.data.drives import Drive, duration_s, join_loggers, split_at_pauses
+from model_diagnosis.data.drives import Drive, begin_s, duration_s, join_loggers, split_at_pauses
 from model_diagnosis.data.grid import on_grid
-from model_diagnosis.data.sample_timing import check_timing
+from model_diagnosis.data.sample_timing import check_cut_frames, check_timing
 from model_diagnosis.data.sample_values import VALUE_CHECKS, check_resting_pressures, is_motion
 from model_diagnosis.data.samples import Samples, missing_channels, read_samples
 from model_diagnosis.data.segmentation import LOWEST_SPEED_M_S, SHORTEST_S, cut
+from model_diagnosis.data.undefined_values import check_markers
 from model_diagnosis.data.uses import what_is_lost
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
@@ -46,7 +47,7 @@ def read_manoeuvres(paths: Sequence[str | Path], channel_map: ChannelMap, vehicl
         whole = Drive(drive.loggers, checked, (*drive.faults, *faults, *missing))
         for part in split_at_pauses(whole):
             if duration_s(part) >= SHORTEST_S:
-                manoeuvres += _manoeuvres(part, vehicle)
+                manoeuvres += _manoeuvres(part, vehicle, begin_s(whole))
     if not manoeuvres:
         raise InputError(
             f"{', '.join(str(p) for p in paths)}: too short for a diagnosis",
@@ -59,9 +60,10 @@ def read_manoeuvres(paths: Sequence[str | Path], channel_map: ChannelMap, vehicl
 def check_samples(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], list[DataFault]]:
     """Every check of one drive's samples: stamps first, then each channel's values."""
     checked, faults = check_timing(dict(channels))
+    faults += check_cut_frames(channels)
     faults += check_resting_pressures(checked)
     for name in checked:
-        for check in VALUE_CHECKS:
+        for check in (check_markers, *VALUE_CHECKS):
             checked[name], found = check(checked[name])
             faults += found
     return checked, faults
@@ -87,7 +89,8 @@ def _require_motion(paths: Sequence[str | Path], found: set[str], missing: Seque
         )
 
 
-def _manoeuvres(drive: Drive, vehicle: VehicleFile) -> list[Manoeuvre]:
+def _manoeuvres(drive: Drive, vehicle: VehicleFile, origin_s: float) -> list[Manoeuvre]:
+    """Manoeuvres of a part of a drive that began at ``origin_s`` on the logs' clock."""
     try:
         time, values, weights = on_grid(drive.channels)
     except InputError as error:
@@ -103,7 +106,7 @@ def _manoeuvres(drive: Drive, vehicle: VehicleFile) -> list[Manoeuvre]:
             weights={name: series[begin:end] for name, series in weights.items()},
             source=f"{', '.join(drive.loggers)}, {time[begin]:.2f} s to {time[end - 1]:.2f} s",
             origins=origins,
-            start_s=float(time[begin] - time[0]),
+            start_s=float(time[begin]) - origin_s,
             reading_faults=drive.faults,
             drive=", ".join(drive.loggers),
         )

@@ -47,6 +47,20 @@ def check_timing(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], l
     return {name: repaired[name] for name in channels}, faults
 
 
+def check_cut_frames(channels: Mapping[str, Samples]) -> list[DataFault]:
+    """Name the messages whose frames an export had cut short by their zero bytes at the end."""
+    faults = []
+    for origin in dict.fromkeys(channel.origin for channel in channels.values() if channel.restored):
+        channel = next(c for c in channels.values() if c.origin == origin and c.restored)
+        count, label = channel.restored, channel.message or channel.name
+        message = (
+            f"{label}: {count} of {len(channel.time)} frames are shorter than the database says and none ends in a "
+            "zero byte: the export cut those; put back"
+        )
+        faults.append(_fault("cut_frames", label, count, "1", message))
+    return faults
+
+
 def _order(members: Mapping[str, Samples], label: str) -> tuple[dict[str, Samples], list[DataFault]]:
     """Sorted stamps; of samples with equal stamps the first one that carries a number."""
     time = next(iter(members.values())).time

@@ -30,6 +30,7 @@ class Samples:
     source : column or Message.Signal
     logger : file name
     message : CAN message, "" where the log has none
+    restored : samples whose CAN frame an export had cut short and that reading completed
     """
 
     name: str
@@ -40,6 +41,7 @@ class Samples:
     source: str
     logger: str
     message: str = ""
+    restored: int = 0
 
     @property
     def origin(self) -> str:
@@ -78,11 +80,15 @@ def read_samples(path: str | Path, channel_map: ChannelMap, vehicle: VehicleFile
         raise InputError(f"{path}: no such log")
     if not channel_map.channels:
         raise InputError(f"{path}: the channel map names no channel")
-    raw = read_sources(path, channel_map, missing_ok=True)
+    restored: dict[str, int] = {}
+    raw = read_sources(path, channel_map, missing_ok=True, restored=restored)
     kind = _kind(path, channel_map)
     can_log = kind in ("blf", "asc", "candump") or (kind == "mf4" and channel_map.dbc is not None)
     return {
-        name: _samples(path, name, channel, raw[channel.source], vehicle, can_log)
+        name: replace(
+            _samples(path, name, channel, raw[channel.source], vehicle, can_log),
+            restored=restored.get(channel.source, 0),
+        )
         for name, channel in channel_map.channels.items()
         if channel.source in raw
     }

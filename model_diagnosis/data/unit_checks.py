@@ -6,6 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
+from model_diagnosis.data.axis_checks import check_swapped_axes
 from model_diagnosis.data.faults import joined
 from model_diagnosis.data.geometry import Geometry
 from model_diagnosis.data.lags import find_lag
@@ -151,6 +152,7 @@ def _hypotheses(group: str, geometry: Geometry) -> list[Wrong]:
         radius = float(np.mean(list(geometry.radii.values())))
         units |= {f"{name.partition(' ')[0]} for rad/s": factor * radius for name, factor in _SPEED.items()}
         units["m/s for rad/s"] = radius
+        units |= _SPEED  # a speed along the road that the map takes for one in another unit
     factors = [(words, factor) for words, factor in units.items() if abs(np.log(factor)) > 0.2]
     factors += [(_inverse(words), 1.0 / factor) for words, factor in factors]
     wrong = [Wrong(group, factor, words) for words, factor in factors]
@@ -178,8 +180,10 @@ def _cost(relations: Sequence[Relation], wrong: Sequence[Wrong]) -> float:
 
 
 def check_units(manoeuvres: Sequence[Manoeuvre], geometry: Geometry) -> tuple[list[DataFault], list[Manoeuvre]]:
-    """Name and repair wrong units and signs of channels."""
-    faults, repaired = _check_single_wheels(manoeuvres)
+    """Name and repair swapped accelerometer axes, then wrong units and signs of channels."""
+    swapped, in_order = check_swapped_axes(manoeuvres, geometry)
+    faults, repaired = _check_single_wheels(in_order)
+    faults = swapped + faults
     wrong, gain = explain(relations_of(twins_of(repaired, geometry)), geometry)
     for entry in wrong:
         names = list(dict.fromkeys(n for m in repaired for n in members(entry.group, list(m.channels))))

@@ -1,6 +1,7 @@
 """Signals of a CAN log (BLF, ASC, candump, MF4 bus logging) decoded with a DBC."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +11,46 @@ from signals.errors import InputError
 from signals.measured.raw_channels import RawChannels, missing_channel
 
 
-def read_can_log(path: Path, sources: Sequence[str], dbc: str | None, *, missing_ok: bool = False) -> RawChannels:
+@dataclass
+class _Message:
+    """Frames of one identifier on their way into values.
+
+    Attributes
+    ----------
+    signals : signal -> ``Message.Signal``
+    short : (stamp, data) of the frames too short for the database
+    ends_in_zero : True where the data of any frame ends in a zero byte
+    """
+
+    definition: Any
+    signals: dict[str, str]
+    short: list[tuple[float, bytes]] = field(default_factory=list)
+    ends_in_zero: bool = False
+
+    def restored(self) -> list[tuple[float, bytes]]:
+        """Short frames whose missing bytes are surely zero: an export that cuts them leaves none at any end."""
+        if self.ends_in_zero:
+            return []
+        return [(stamp, data.ljust(self.definition.length, b"\0")) for stamp, data in self.short]
+
+
+def read_can_log(
+    path: Path,
+    sources: Sequence[str],
+    dbc: str | None,
+    *,
+    missing_ok: bool = False,
+    restored: dict[str, int] | None = None,
+) -> RawChannels:
     """Values of ``Message.Signal`` with the time stamps of their frames.
 
-    Frames that the database does not know, and frames too short for it, are passed over. With ``missing_ok`` signals
+    Frames that the database does not know are passed over, and so are frames too short for it, unless an export has
+    cut zero bytes off the ends of all frames of a message: those bytes are put back. With ``missing_ok`` signals
     without a frame are left out.
+
+    Parameters
+    ----------
+    restored : filled with source -> number of frames that were cut short and completed
 
     Raises
     ------
@@ -30,7 +66,14 @@ def read_can_log(path: Path, sources: Sequence[str], dbc: str | None, *, missing
         message = wanted.get((frame.arbitration_id, frame.is_extended_id))
         if message is None or frame.is_error_frame or frame.is_remote_frame:
             continue
-        _decode(message[0], message[1], frame, times, values)
+        data = bytes(frame.data)
+        message.ends_in_zero |= data.endswith(b"\0")
+        if len(data) < message.definition.length:
+            message.short.append((frame.timestamp, data))
+        else:
+            _decode(message, frame.timestamp, data, times, values)
+    for message in wanted.values():
+        _complete(message, times, values, {} if restored is None else restored)
     for source in sources:
         if not times[source] and not missing_ok:
             raise InputError(f"{path}: the signal {source!r} is in the database, but no frame of the log has it")
@@ -53,16 +96,16 @@ def _load_database(dbc: str) -> Any:
         raise InputError(f"{dbc}: not a readable CAN database ({str(error).splitlines()[0]})") from error
 
 
-def _wanted_messages(path: Path, sources: Sequence[str], database: Any, dbc: str) -> dict[tuple[int, bool], Any]:
+def _wanted_messages(path: Path, sources: Sequence[str], database: Any, dbc: str) -> dict[tuple[int, bool], _Message]:
     """Message and sources that it carries, by identifier."""
     known = {f"{message.name}.{signal.name}": message for message in database.messages for signal in message.signals}
-    wanted: dict[tuple[int, bool], tuple[Any, dict[str, str]]] = {}
+    wanted: dict[tuple[int, bool], _Message] = {}
     for source in sources:
         message = known.get(source)
         if message is None:
             raise missing_channel(dbc, source, known)
-        entry = wanted.setdefault((message.frame_id, message.is_extended_frame), (message, {}))
-        entry[1][source.split(".", 1)[1]] = source
+        entry = wanted.setdefault((message.frame_id, message.is_extended_frame), _Message(message, {}))
+        entry.signals[source.split(".", 1)[1]] = source
     return wanted
 
 
@@ -79,15 +122,29 @@ def _frames(path: Path) -> Any:
 
 
 def _decode(
-    message: Any, signals: dict[str, str], frame: Any, times: dict[str, list[float]], values: dict[str, list[float]]
+    message: _Message, stamp: float, data: bytes, times: dict[str, list[float]], values: dict[str, list[float]]
 ) -> None:
     from cantools.database import DecodeError
 
     try:
-        decoded = message.decode(bytes(frame.data), decode_choices=False)
+        decoded = message.definition.decode(data, decode_choices=False)
     except (DecodeError, ValueError):
         return
-    for name, source in signals.items():
+    for name, source in message.signals.items():
         if name in decoded:
-            times[source].append(frame.timestamp)
+            times[source].append(stamp)
             values[source].append(float(decoded[name]))
+
+
+def _complete(
+    message: _Message, times: dict[str, list[float]], values: dict[str, list[float]], restored: dict[str, int]
+) -> None:
+    """Decode the frames that were cut short, and put them between the others by their stamps."""
+    frames = message.restored()
+    for stamp, data in frames:
+        _decode(message, stamp, data, times, values)
+    for source in message.signals.values() if frames else ():
+        restored[source] = len(frames)
+        order = np.argsort(times[source], kind="stable")
+        times[source] = [times[source][row] for row in order]
+        values[source] = [values[source][row] for row in order]

@@ -169,10 +169,13 @@ def _format(path: Path, channel_map: ChannelMap) -> FileFormat:
     return detect_format(path) if channel_map.file_format == "auto" else channel_map.file_format
 
 
-def read_sources(path: Path, channel_map: ChannelMap, *, missing_ok: bool = False) -> RawChannels:
+def read_sources(
+    path: Path, channel_map: ChannelMap, *, missing_ok: bool = False, restored: dict[str, int] | None = None
+) -> RawChannels:
     """The map's sources as they stand in the log, in the log's units.
 
-    With ``missing_ok`` what the log lacks is left out; else it is an InputError.
+    With ``missing_ok`` what the log lacks is left out; else it is an InputError. ``restored`` is filled with the number
+    of CAN frames of a source that an export has cut short and that were completed.
     """
     sources = list(dict.fromkeys(channel.source for channel in channel_map.channels.values()))
     if missing_ok:
@@ -195,7 +198,7 @@ def read_sources(path: Path, channel_map: ChannelMap, *, missing_ok: bool = Fals
         return read_mf4_log(path, sources)
     from signals.measured.can_log import read_can_log
 
-    return read_can_log(path, sources, channel_map.dbc, missing_ok=missing_ok)
+    return read_can_log(path, sources, channel_map.dbc, missing_ok=missing_ok, restored=restored)
 
 
 def _channel(

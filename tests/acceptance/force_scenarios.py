@@ -9,6 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import create
+from estimators.neural_force_model import force_car, observer_gains
+from estimators.neural_force_settings import NeuralForceSettings
+from signals.catalogue import block_slice, index_of
 from vehicle_model.reference.steered_track import SteeredTrack
 from vehicle_model.vehicle_file import load_vehicle
 
@@ -16,6 +19,9 @@ FloatArray = NDArray[np.float64]
 SECONDS = 20
 WHEELS = ("fl", "fr", "rl", "rr")
 RATIO = 16.0
+BUS, AGES = block_slice("bus"), block_slice("bus_age")
+QUIET = {"learning_front": 1e8, "learning_rear": 4e6}
+"""Gains of the noise-free runs (3.4)."""
 
 
 @dataclass(frozen=True)
@@ -110,3 +116,27 @@ def rmse(
     """Root mean square error of an output, over 5 to 20 s as in the document if not told otherwise."""
     part = (source.time >= start_s) & (source.time < end_s)
     return float(np.sqrt(np.mean(np.square(found[output][part] - source.truth[output][part]))))
+
+
+def document_car(**settings: Any) -> np.void:
+    """The document's car as the observers read it."""
+    return force_car(numbers(), NeuralForceSettings(**settings))[0]
+
+
+def gains(**settings: Any) -> tuple[float, float, float, float]:
+    """L_11, L_12, L_21, L_22."""
+    return observer_gains(NeuralForceSettings(**settings), 0.1)
+
+
+def input_columns() -> tuple[np.ndarray, np.ndarray]:
+    """Values and ages of the bus as an observer reads them."""
+    return np.zeros(BUS.stop - BUS.start), np.zeros(AGES.stop - AGES.start)
+
+
+def put_inputs(values: np.ndarray, yaw_rate: float, angle: float, speed: float) -> None:
+    """Yaw rate [rad/s], steering angle [rad], and wheels that roll at the speed [m/s]."""
+    radius = numbers()["wheels.fl.radius"]
+    values[index_of("yaw_rate") - BUS.start], values[index_of("road_wheel_angle") - BUS.start] = yaw_rate, angle
+    values[index_of("steering_command") - BUS.start] = angle
+    for wheel in WHEELS:
+        values[index_of(f"wheel_speed_{wheel}") - BUS.start] = speed / radius

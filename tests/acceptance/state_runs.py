@@ -19,10 +19,16 @@ from estimators.channels import CHANNELS
 Columns = dict[str, np.ndarray]
 
 QUIET = {f"sensors.{name}.noise": 0.0 for name in ("longitudinal_acceleration", "lateral_acceleration", "yaw_rate")}
+WHEELS = ("fl", "fr", "rl", "rr")
 NOISE = {"longitudinal_acceleration": 0.05, "lateral_acceleration": 0.1, "yaw_rate": 0.005}
 """Standard deviations of the document's desk checks (C.1, C.2)."""
-WHEEL_NOISE = {f"wheel_speed_{wheel}": 0.02 for wheel in ("fl", "fr", "rl", "rr")}
+WHEEL_NOISE = {f"wheel_speed_{wheel}": 0.02 for wheel in WHEELS}
 """rad/s, C.1 and AC-50; on top of the tone rings' own errors."""
+ALL_NOISE = {**NOISE, **WHEEL_NOISE}
+TUNING_SEEDS = range(20)
+"""Seeds with which the observers' own settings (source "assumed") were chosen; none of them judges."""
+SEEDS = range(5000, 5020)
+"""Seeds that judge: nobody looked at them while a setting was chosen."""
 
 
 class Drive:

@@ -16,17 +16,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
-from state_runs import NOISE, WHEEL_NOISE, Drive, Replay, drive, rmse_percent
+from state_runs import ALL_NOISE, NOISE, SEEDS, TUNING_SEEDS, WHEELS, Drive, Replay, drive, rmse_percent
 
 from vehicle_model.reference.planar_stops import abs_study, mean_percentages
-
-SEEDS = range(20)
-FEW = range(4)
-WHEELS = ("fl", "fr", "rl", "rr")
-ALL_NOISE = {**NOISE, **WHEEL_NOISE}
 
 SLALOMS = {
     "dry_asphalt": {"a_y": 11.2, "yaw_rate": 2.1, "front": 11.1, "rear": 14.1},
@@ -156,7 +148,7 @@ def test_lateral_fits(surface: str, record: Callable[..., None]) -> None:
     assert quality.min() >= 0.90
     assert np.median(shares) <= 0.65
     if late:
-        assert late < 0.05
+        assert late < 0.02
         pytest.xfail(f"{surface}: {100 * late:.1f} % of the fits come later, where noise hid the curve's bend at first")
 
 
@@ -171,10 +163,33 @@ def test_longitudinal_fits(surface: str, record: Callable[..., None]) -> None:
     record(f"{surface}: R^2, smallest", float(quality.min()), ">= 0.90")
     limits = [abs(e["limit"] / run[f"friction_limit_{e['wheel']}"][1000] - 1.0) for e in events]
     record(f"{surface}: median error of D %", 100.0 * float(np.median(limits)), "reported")
+    inside = float(np.mean((shares >= 0.71) & (shares <= 0.80)))
+    record(f"{surface}: part of the fits within it", inside, "reported: noise of 0.02 rad/s")
+    assert len(events) == 2 * len(SEEDS)  # both driven wheels, once each
     assert quality.min() >= 0.90
-    assert np.median(limits) < 0.25
-    if not 0.71 <= np.median(shares) <= 0.80:
-        pytest.xfail(f"{surface}: noise of the wheel speeds, 0.02 rad/s, hides the bend of the curve for longer")
+    assert np.median(limits) < 0.10
+    assert 0.71 <= np.median(shares) <= 0.80
+
+
+@pytest.mark.acceptance("V-35")
+@pytest.mark.parametrize("change", [{"longitudinal.towing_slip": False}, {"longitudinal.pair_slip": "model"}], ids=str)
+def test_what_hides_the_bend_of_the_curve(change: dict[str, Any], record: Callable[..., None]) -> None:
+    """Slip of the towed wheels left out, or slip that lags behind the friction: the limit is then found too high.
+
+    Both move the pairs to larger slips where the friction in use is small, which straightens the curve.
+    """
+    run = drive("state/launch_ice")
+    errors: dict[bool, list[float]] = {True: [], False: []}
+    for seed in TUNING_SEEDS[:5]:
+        for changed, settings in ((False, {}), (True, change)):
+            found = Replay(run, "magic_formula_fit", settings, seed=seed, noise=ALL_NOISE)
+            errors[changed] += [
+                e["limit"] / run[f"friction_limit_{e['wheel']}"][1000] - 1.0
+                for e in found.estimator.events()
+                if e["direction"] == "longitudinal"
+            ]
+    record(f"{next(iter(change))} changed: mean error of D %", 100.0 * float(np.mean(errors[True])), "reported")
+    assert np.mean(np.abs(errors[True])) > np.mean(np.abs(errors[False]))
 
 
 @pytest.mark.acceptance("V-36")
@@ -265,87 +280,6 @@ def test_covariance_stays_positive() -> None:
             assert np.array_equal(covariance, covariance.T)
             lowest = min(lowest, float(np.linalg.eigvalsh(covariance).min()))
         assert lowest >= -1e-12
-
-
-def section(run: Drive, found: Replay) -> tuple[float, float]:
-    """Mean grade over the hill, and the hill's length by the estimate: between the half of its mean, 1 s averages."""
-    grade, clock = found["road_grade"], run["time"]
-    smooth = np.convolve(grade, np.full(1000, 1e-3), mode="same")
-    on = np.abs(run["road_grade"]) >= 0.999 * np.abs(run["road_grade"]).max()
-    mean = float(grade[on].mean())
-    above = np.abs(smooth) > 0.5 * abs(mean)
-    above[clock < 2.0] = False
-    first, last = np.flatnonzero(above)[[0, -1]]
-    return mean, float(np.sum(found["speed"][first : last + 1]) * 1e-3)
-
-
-HILLS = [(grade, length, way) for grade, length in ((4, 750), (6, 507), (8, 501), (10, 400)) for way in ("up", "down")]
-
-
-@pytest.mark.acceptance("V-50", "V-51", "V-55")
-@pytest.mark.parametrize(("grade", "length", "way"), HILLS)
-def test_hills(grade: int, length: int, way: str, record: Callable[..., None]) -> None:
-    run = drive(f"state/hill_{grade}_{way}")
-    true = grade / 100.0 if way == "up" else -grade / 100.0
-    results = [section(run, Replay(run, "road_grade", {}, seed=s, noise=ALL_NOISE)) for s in FEW]
-    error = 100.0 * abs(np.mean([mean for mean, _ in results]) / true - 1.0)
-    worst = max(abs(found - length) for _, found in results)
-    record(f"{grade} % {way}: error of the mean %", float(error), "<= 6.2", id="V-50")
-    record(f"{grade} % {way}: error of the length m", float(worst), "<= 10", id="V-51")
-    assert error <= 6.2
-    assert worst <= 10.0
-
-
-@pytest.mark.acceptance("V-48")
-def test_grade_changes_only_with_its_blocks() -> None:
-    found = Replay(drive("state/hill_10_up"), "road_grade", {"grade.block_time": 0.05}, seed=0, noise=ALL_NOISE)
-    changed = np.flatnonzero(np.diff(found["road_grade"][200:5000]))
-    assert len(changed) > 50
-    assert np.all(np.diff(changed) % 50 == 0)
-
-
-@pytest.mark.acceptance("V-49")
-def test_inertial_reading_runs_away(record: Callable[..., None]) -> None:
-    """3.6 [E]: with eq. 3.1's acceleration the grade is counted twice."""
-    run = drive("state/hill_10_up")
-    on = run["road_grade"] > 0.0999
-    good = Replay(run, "road_grade", {}, seed=0, noise=ALL_NOISE)["road_grade"]
-    bad = Replay(run, "road_grade", {"grade.model_acceleration": "inertial"}, seed=0, noise=ALL_NOISE)["road_grade"]
-    record("largest estimate on 10 %", float(np.abs(good[2000:]).max()), "bounded, < 0.2")
-    assert np.abs(good[2000:]).max() < 0.2
-    assert bad[on][-1] > 0.3
-
-
-@pytest.mark.acceptance("V-52")
-def test_pitch_compensation(record: Callable[..., None]) -> None:
-    """Off, the grade shifts by about 1.2 % per m/s^2; on, a hard acceleration on a flat road reads below 0.5 %."""
-    run = drive("state/launch_dry_asphalt")
-    part = (run["time"] > 5.5) & (run["time"] < 7.5)
-    acceleration = float(run["true_longitudinal_acceleration"][part].mean())
-    on, off = (
-        Replay(run, "road_grade", {"grade.pitch_compensation": state}, seed=0, noise=ALL_NOISE)["road_grade"][part]
-        for state in (True, False)
-    )
-    shift = 100.0 * float(off.mean() - on.mean()) / acceleration
-    record("shift % per m/s^2", shift, "about 1.2")
-    record("flat road, mean grade %", 100.0 * float(on.mean()), "< 0.5")
-    assert acceleration > 1.5
-    assert shift == pytest.approx(1.2, abs=0.15)
-    assert abs(100.0 * on.mean()) < 0.5
-
-
-@pytest.mark.acceptance("V-53")
-def test_standstill_gives_the_first_grade() -> None:
-    run = drive("state/hill_10_up")
-
-    def standing(columns: dict[str, np.ndarray]) -> None:
-        for wheel in WHEELS:
-            columns[f"wheel_speed_{wheel}"][:] = 0.0
-        columns["longitudinal_acceleration"][:] = 9.80665 * math.sin(math.atan(0.08))
-
-    found = Replay(run, "road_grade", {}, seed=None, change=standing)
-    assert found["road_grade"][2000] == pytest.approx(0.08, abs=1e-6)
-    assert found["road_grade_confidence"][2000] == 1.0
 
 
 @pytest.mark.acceptance("V-58")

@@ -160,20 +160,28 @@ def test_fit_without_noise(surface: str, record: Callable[..., None]) -> None:
 @pytest.mark.acceptance("V-30")
 @pytest.mark.parametrize("surface", SURFACES)
 def test_fit_with_noise(surface: str, record: Callable[..., None]) -> None:
-    """On ice 0.005 of noise is 3 % of the friction in use: the least absolute deviation lies further from the truth.
+    """Median over 400 draws, beside the one that theory gives for least absolute deviations (asymptotic normality).
 
-    The document's own figure for ice (C.3, 4.2 %) is that of a search that starts at the answer and stops early.
+    On ice theory gives 5.2 %, more than the 5 % that the document proposes: no search of its objective does better. Its
+    own 4.2 % (C.3) is a median of 40 draws, which scatters by 0.8 %.
     """
     d, b = SURFACES[surface]
+    x = np.linspace(1e-3, math.tan(math.asin(0.65) / 1.5) / b, 60)
     errors = []
-    for seed in range(40):
+    for seed in range(5000, 5400):
         random = np.random.default_rng(seed)
-        x = np.linspace(1e-3, math.tan(math.asin(0.65) / 1.5) / b, 60)
         errors.append(abs(solve(x, law(x, d, b) + 0.005 * random.standard_normal(60))[0] / d - 1.0))
     median = 100.0 * float(np.median(errors))
+    inner = 1.5 * np.arctan(b * x)
+    jacobian = np.column_stack((np.sin(inner), d * np.cos(inner) * 1.5 * x / (1.0 + (b * x) ** 2)))
+    # absolute deviations under normal noise: variance pi/2 times that of least squares
+    variance = 0.5 * math.pi * 0.005**2 * np.linalg.inv(jacobian.T @ jacobian)[0, 0]
+    theory = 100.0 * 0.6745 * math.sqrt(variance) / d
     record(f"{surface}: median D error %", median, "<= 5")
-    if surface == "ice" and 5.0 < median < 10.0:
-        pytest.xfail(f"ice: {median:.1f} %; 0.005 of noise is 3 % of the friction in use there")
+    record(f"{surface}: by theory %", theory, "reported")
+    assert median == pytest.approx(theory, rel=0.2)  # three standard errors of a median of 400 draws
+    if theory > 5.0:
+        pytest.xfail(f"{surface}: least absolute deviations cannot do better than {theory:.1f} % with this noise")
     assert median <= 5.0
 
 
@@ -222,7 +230,7 @@ def test_thresholds_by_surface_and_by_rule(degrees: float, d: float, b: float) -
     automatic = curve_memory()
     curve = feed(automatic, angles, law(angles, d, b))
     assert curve["fits"] == 1
-    assert curve["threshold"] == pytest.approx(min(max(0.34 / b, math.radians(1.2)), math.radians(3.5)), rel=0.02)
+    assert curve["threshold"] == pytest.approx(min(max(0.40 / b, math.radians(1.2)), math.radians(3.5)), rel=0.02)
 
 
 @pytest.mark.acceptance("V-37")

@@ -9,6 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import create
+from estimators.vertical_load_car import load_car
+from estimators.vertical_load_model import continuous
+from estimators.vertical_load_settings import VerticalLoadSettings
 from signals.catalogue import block_slice, index_of
 from vehicle_model.reference.two_track import TwoTrack
 from vehicle_model.road_file import RoadFile
@@ -18,6 +21,7 @@ FloatArray = NDArray[np.float64]
 
 STEERING_RATIO = 17.0
 SAMPLE_S = 0.01
+KMH = 1.0 / 3.6
 SECONDS = 9
 WHEELS = ("fl", "fr", "rl", "rr")
 NOISE = {
@@ -153,3 +157,15 @@ def rmse(estimated: FloatArray, true: FloatArray) -> tuple[float, float]:
 
 
 SPEED = index_of("speed") - block_slice("plant").start
+
+
+def document_record(**settings: Any) -> np.void:
+    """The document's car as the observers read it."""
+    return load_car(vehicle_numbers(), VerticalLoadSettings(accelerometer="level", **settings))[0]
+
+
+def matrices(speed: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """A, B, C, D at a speed."""
+    a, b, c, d = np.zeros((4, 4)), np.zeros(4), np.zeros((3, 4)), np.zeros(3)
+    continuous(document_record(), speed, a, b, c, d)
+    return a, b, c, d

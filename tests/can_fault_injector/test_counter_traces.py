@@ -1,7 +1,8 @@
 """TEC and REC of every node after every bit, for the rules that are about flags, spaces, frames and formats.
 
 Each case names a rule; its expected trace is a list of (bit, TEC, REC) at every change, worked out by hand from the
-rules of fault confinement (Bosch CAN 2.0 part B, section 8), which themselves are in ``test_fault_confinement.py``.
+rules of fault confinement (Bosch CAN 2.0 part B, section 8), which themselves are in
+``test_fault_confinement.py`` and ``test_fault_states.py``.
 """
 
 from collections.abc import Callable

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from can_fault_injector import Frame
+from can_fault_injector import Bus, Disturbance, Frame
 from can_fault_injector.sweep import ESCAPED, REJECTED, SAME, flip_pair_escapes, single_bit_outcomes, sweep_receivers
 
 FRAME = Frame(0x123, bytes(range(8)))
@@ -93,3 +93,27 @@ def test_escapes_stand_on_an_acknowledged_bus() -> None:
             bits[list(pair)] ^= 1
             assert Frame.from_bits(bits).bits().size == bits.size
     assert pairs > 2_000_000
+
+
+def test_a_reading_that_ends_early_is_no_escape_among_nodes() -> None:
+    """Bit 78 flipped shortens what is read by a bit, bit 103 hides the dominant slot: reading alone would accept it.
+
+    Its receiver acknowledges a bit too early, in the delimiter of the CRC: a form error of the sender, whose error flag
+    ends both frames. Bit 103 then hides the slot of the repetition: the receiver misses its own acknowledgement there.
+    """
+    frame = Frame(0x560, bytes.fromhex("616bcffc8ba8e9f4"))
+    bits = frame.bits()
+    bits[list(frame.bit_names()).index("ack_slot.0")] = 0
+    bits[[78, 103]] ^= 1
+    read = Frame.from_bits(bits)
+    assert read.data != frame.data
+    assert read.bits().size == bits.size - 1
+    assert (78, 103) not in flip_pair_escapes(frame)[1]
+    bus = Bus(["sender", "hit", "bystander"])
+    for bit in (78, 103):
+        bus.disturb(Disturbance("flip", f"bit.{bit}", tap="receive", node="hit"))
+    bus.send("sender", frame)
+    bus.run(1000, until_idle=True)
+    assert bus.nodes["sender"].errors == ["form", "form"]
+    assert bus.nodes["hit"].errors == ["form", "bit"]
+    assert bus.nodes["hit"].received == bus.nodes["bystander"].received == [frame]

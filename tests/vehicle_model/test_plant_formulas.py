@@ -18,6 +18,20 @@ from vehicle_model.vehicle_file import VehicleFile, load_tyres
 FORMULAS = ("pacejka_1987", "burckhardt_dry_asphalt", "tmeasy", "dugoff", "fiala", "lugre", "dahl")
 
 
+TIR_FILES = ("tir 52", "tir 61", "tir 62")
+"""Magic Formula 5.2, 6.1 and 6.2 from a file."""
+
+
+@pytest.fixture
+def pair(name: str, tmp_path: Path) -> TyrePair:
+    """Tyres of a shipped formula, or from a file of the version that the name ends with."""
+    if name not in TIR_FILES:
+        return load_tyres(name)
+    tyre = TirTyre(tir=str(write(tmp_path, name.removeprefix("tir "))))
+    fill_in(tyre)
+    return TyrePair(front=tyre, rear=tyre.model_copy(deep=True))
+
+
 def car_with(tyres: TyrePair) -> VehicleFile:
     vehicle = without_losses()
     object.__setattr__(vehicle, "tyres", tyres)
@@ -34,11 +48,11 @@ def stopped(car: Plant, speed: float, brake: float) -> int:
     raise AssertionError("the car does not stop")
 
 
-@pytest.mark.parametrize("name", FORMULAS)
+@pytest.mark.parametrize("name", FORMULAS + TIR_FILES)
 @pytest.mark.parametrize("direction", [1.0, -1.0], ids=["forwards", "backwards"])
-def test_a_stop_ends_at_rest(name: str, direction: float) -> None:
+def test_a_stop_ends_at_rest(pair: TyrePair, direction: float) -> None:
     """Between the distance of the peak and that of the lightest friction; no energy is made; the car then stands."""
-    car = Plant(car_with(load_tyres(name)))
+    car = Plant(car_with(pair))
     speed = 15.0 * direction
     car.reset(speed_m_s=speed)
     start = car.state()["mechanical_energy"]
@@ -51,10 +65,10 @@ def test_a_stop_ends_at_rest(name: str, direction: float) -> None:
     assert abs(start - state["dissipated_energy"] - state["mechanical_energy"]) < 2e-3 * start
 
 
-@pytest.mark.parametrize("name", FORMULAS)
+@pytest.mark.parametrize("name", FORMULAS + TIR_FILES)
 @pytest.mark.parametrize("grade", [0.08, -0.08])
-def test_a_braked_car_stands_on_a_grade(name: str, grade: float) -> None:
-    car = Plant(car_with(load_tyres(name)), RoadFile(grade=grade))
+def test_a_braked_car_stands_on_a_grade(pair: TyrePair, grade: float) -> None:
+    car = Plant(car_with(pair), RoadFile(grade=grade))
     car.reset(speed_m_s=0.0)
     car.step(4000, brake_torque=900.0)
     place = car.state()["position_x"]
@@ -62,10 +76,10 @@ def test_a_braked_car_stands_on_a_grade(name: str, grade: float) -> None:
     assert abs(car.state()["position_x"] - place) < 1e-5
 
 
-@pytest.mark.parametrize("name", FORMULAS)
-def test_a_car_rolls_back_and_is_caught(name: str) -> None:
+@pytest.mark.parametrize("name", FORMULAS + TIR_FILES)
+def test_a_car_rolls_back_and_is_caught(pair: TyrePair) -> None:
     """Let go on 10 % it rolls back by g sin(gamma) t; the brake stops it there too."""
-    car = Plant(car_with(load_tyres(name)), RoadFile(grade=0.1))
+    car = Plant(car_with(pair), RoadFile(grade=0.1))
     car.reset(speed_m_s=0.0)
     car.step(3000)
     expected = -GRAVITY * 0.1 / math.hypot(1.0, 0.1) * 3.0
@@ -74,10 +88,10 @@ def test_a_car_rolls_back_and_is_caught(name: str) -> None:
     assert abs(car.state()["speed"]) < 1e-3
 
 
-@pytest.mark.parametrize("name", FORMULAS)
-def test_slow_driving_through_zero_in_both_directions(name: str) -> None:
+@pytest.mark.parametrize("name", FORMULAS + TIR_FILES)
+def test_slow_driving_through_zero_in_both_directions(pair: TyrePair) -> None:
     """Drive forwards and backwards with a turned wheel at walking pace: forces stay those of a slow car."""
-    car = Plant(car_with(load_tyres(name)))
+    car = Plant(car_with(pair))
     car.reset(speed_m_s=0.3)
     largest = 0.0
     for torque in (60.0, -60.0, -60.0, 60.0):

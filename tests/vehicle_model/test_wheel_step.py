@@ -92,19 +92,21 @@ def test_spin_is_stable_at_any_speed(speed: float, substeps: int) -> None:
     assert np.isfinite(wheel.s["force_x"][0])
 
 
+@pytest.mark.parametrize("travel", [1.0, -1.0], ids=["forwards", "backwards"])
 @pytest.mark.parametrize("direction", ["x", "y"])
-def test_relaxation_delays_the_slip_by_its_length(direction: str) -> None:
+def test_relaxation_delays_the_slip_by_its_length(direction: str, travel: float) -> None:
     """Constant slip from rest: the force follows 1 - exp(-distance / relaxation length) while the curve is linear."""
     length, speed, slip = 0.4, 10.0, 1e-4
     wheel = Wheel(20, spin_inertia=1e12, relaxation_x=length, relaxation_y=length)
-    wheel.omega = speed * (1.0 + (slip if direction == "x" else 0.0)) / RADIUS
+    wheel.omega = travel * speed * (1.0 + (slip if direction == "x" else 0.0)) / RADIUS
     v_y = -slip * speed if direction == "y" else 0.0
-    force, stiffness = ("force_x", STIFFNESS_X) if direction == "x" else ("force_y", STIFFNESS_Y)
+    # a wheel that turns faster than it travels is pushed the way it travels; the side force opposes v_y both ways
+    stiffness = travel * wheel.tyre[STIFFNESS_X] if direction == "x" else wheel.tyre[STIFFNESS_Y]
     for tick in range(100):
-        wheel.turn(speed, v_y)
+        wheel.turn(travel * speed, v_y)
         distance = speed * (tick + 0.5) * STEP  # the force is the mean over the tick
-        expected = wheel.tyre[stiffness] * slip * (1.0 - math.exp(-distance / length))
-        assert wheel.s[force][0] == pytest.approx(expected, rel=5e-2 if tick < 10 else 1e-2)
+        expected = stiffness * slip * (1.0 - math.exp(-distance / length))
+        assert wheel.s[f"force_{direction}"][0] == pytest.approx(expected, rel=5e-2 if tick < 10 else 1e-2)
 
 
 def test_bristles_agree_with_the_curve_in_slow_rolling() -> None:

@@ -18,7 +18,7 @@ from bench.diagnosis_report.timeline import GAP_S, Timeline
 from bench.diagnosis_report.words import headline, percent, signal_words
 from model_diagnosis.findings import Findings
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S
-from model_diagnosis.result import Diagnosis, ParameterEstimate
+from model_diagnosis.result import Diagnosis, ParameterEstimate, ViolatedEquation
 
 
 def texts(page: str) -> str:
@@ -111,6 +111,22 @@ def test_the_house_lights_the_most_violated_balance(findings: Findings) -> None:
     assert list(states.values()).count("guilty") == 1
 
 
+def test_innovations_light_the_house_and_both_numbers_stand_in_it(findings: Findings) -> None:
+    """The balance at the front right wheel has the larger equation error, the innovations point to the left one."""
+    innovations = {
+        "wheel torque fl": ViolatedEquation(likelihood_ratio=91.5, error=21.0, unit="N m"),
+        "wheel torque fr": ViolatedEquation(likelihood_ratio=3.0, error=2.0, unit="N m"),
+        "sensor yaw_rate": ViolatedEquation(likelihood_ratio=25.0, error=0.004, unit="rad/s"),
+    }
+    drawing = house_of_equations(findings.diagnosis.guilty_equations, innovations)
+    rooms = re.findall(r'<g class="(\w+)">.*?class="name"[^>]*>([^<]+)<.*?class="ratio"[^>]*>([^<]+)<', drawing)
+    shown = {name: (state, text) for state, name, text in rooms}
+    assert shown["wheel front left"] == ("guilty", "LR 91.5 · by balance 310")
+    assert shown["wheel front right"] == ("kept", "LR 3 · by balance 402")
+    assert shown["sensor chain"] == ("lit", "LR 25 · by balance 22")
+    assert shown["brake rear right"] == ("unseen", "not seen in this data")
+
+
 def test_brightness_grows_with_the_likelihood_ratio() -> None:
     ratios = [LEAST_RATIO, 10.0, 100.0, 1000.0]
     values = [brightness(ratio, 1000.0) for ratio in ratios]
@@ -142,6 +158,22 @@ def test_residuals_over_a_state_that_no_data_has(findings: Findings) -> None:
     assert binned_residual(findings, "longitudinal_acceleration", "slip_angle") is None
     rows = residual_maps(findings, ["speed"])
     assert [len(pictures) for _, _, pictures in rows] == [4]
+
+
+def test_a_state_that_hardly_changes_is_not_drawn(findings: Findings) -> None:
+    """Discs that warm by half a degree: a mean over them would show time, not temperature."""
+    assert binned_residual(findings, "longitudinal_acceleration", "temperature") is not None
+    cool = [
+        replace(
+            part,
+            states={
+                name: 20.0 + 0.5 * (values - values[0]) / max(np.ptp(values), 1e-9) if "temperature" in name else values
+                for name, values in part.states.items()
+            },
+        )
+        for part in findings.manoeuvres
+    ]
+    assert binned_residual(replace(findings, manoeuvres=cool), "longitudinal_acceleration", "temperature") is None
 
 
 def test_a_signal_no_sample_of_which_counts_is_told_and_not_drawn(findings: Findings) -> None:
@@ -210,3 +242,22 @@ def test_ratings_are_better_with_what_was_found(findings: Findings) -> None:
     speed = stop[table["signals"].index("speed over ground")]
     assert float(speed["after"]) > 0.94 > float(speed["before"])
     assert speed["grade"] == "excellent"
+
+
+def test_the_answer_is_kept_where_the_page_fails(
+    findings: Findings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Minutes of searching are not lost to a page that cannot be drawn."""
+    import bench.diagnosis_report.page as page
+    from bench.diagnosis.diagnosing import ANSWER_FILE, Found, write
+    from vehicle_model.vehicle_file import load_vehicle
+
+    def failing(*_: object) -> None:
+        raise OSError("no space left")
+
+    monkeypatch.setattr(page, "build", failing)
+    nothing = replace(findings, diagnosis=findings.diagnosis.model_copy(update={"causes": []}), terms=[])
+    with pytest.raises(OSError, match="no space"):
+        write(Found(nothing, load_vehicle("ekf_car"), "ekf_car"), tmp_path, stops=False)
+    written = Diagnosis.model_validate_json((tmp_path / ANSWER_FILE).read_text("utf-8"))
+    assert written.verdict == nothing.diagnosis.verdict

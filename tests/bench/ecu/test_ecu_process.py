@@ -21,8 +21,8 @@ from bench.links.registry import open_link
 from signals.errors import InputError
 
 ROOT = Path(__file__).parents[3]
-START_S = 120.0
-"""Time for the process to start; the first one may have to compile."""
+PATIENCE_S = 120.0
+"""Time for the process to start, where the first one may have to compile, and to end."""
 
 
 def start(*arguments: str) -> "subprocess.Popen[str]":
@@ -42,7 +42,7 @@ def bus() -> Iterator[Any]:
     link.close()
 
 
-def wait_for_frames(link: Any, deadline_s: float = START_S) -> Any:
+def wait_for_frames(link: Any, deadline_s: float = PATIENCE_S) -> Any:
     """First frames that the ECU sends."""
     frames, end = new_frames(256), time.monotonic() + deadline_s
     while time.monotonic() < end:
@@ -62,7 +62,7 @@ def test_lock_step_in_another_process_equals_the_node_in_this_one(can_car: Any, 
     server = BarrierServer(path)
     ecu = start("--link", bus.text, "--barrier", path)
     try:
-        server.wait_for_peer(START_S, lambda: ecu.poll() is None)
+        server.wait_for_peer(PATIENCE_S, lambda: ecu.poll() is None)
         received, answers = new_frames(256), []
         sent = new_frames(64)
         for tick, frames in enumerate(car.frames_to_ecu):
@@ -74,7 +74,7 @@ def test_lock_step_in_another_process_equals_the_node_in_this_one(can_car: Any, 
             answers.append(received[: server.finish(bus, received)].copy())
     finally:
         server.close()
-    assert ecu.wait(10) == 0
+    assert ecu.wait(PATIENCE_S) == 0
     got, expected = np.concatenate(answers), np.concatenate(car.log)
     assert [(f["identifier"], bytes(f["data"][: f["length"]])) for f in got] == [
         (f["identifier"], bytes(f["data"][: f["length"]])) for f in expected
@@ -92,7 +92,7 @@ def test_real_time_keeps_the_periods_and_ends_cleanly_on_sigterm(bus: Any) -> No
         sent = np.concatenate(collected)
         assert 0 < np.sum(sent["identifier"] == 0x210) <= 210  # 200 in a second; a loaded machine may skip some
         ecu.terminate()
-        assert ecu.wait(5) == 0
+        assert ecu.wait(PATIENCE_S) == 0
     finally:
         ecu.kill()
         ecu.communicate()
@@ -103,14 +103,14 @@ def test_silent_ecu_stays_silent(bus: Any, tmp_path: Path) -> None:
     server = BarrierServer(path)
     ecu = start("--link", bus.text, "--barrier", path, "--silent")
     try:
-        server.wait_for_peer(START_S, lambda: ecu.poll() is None)
+        server.wait_for_peer(PATIENCE_S, lambda: ecu.poll() is None)
         nothing, received = new_frames(1), new_frames(64)
         for tick in range(50):
             server.begin(tick, nothing, 0)
             assert server.finish(bus, received) == 0
     finally:
         server.close()
-    assert ecu.wait(10) == 0
+    assert ecu.wait(PATIENCE_S) == 0
 
 
 @pytest.mark.parametrize(
@@ -125,7 +125,7 @@ def test_silent_ecu_stays_silent(bus: Any, tmp_path: Path) -> None:
 )
 def test_bad_start_ends_with_one_message(arguments: tuple[str, ...], code: int, message: str) -> None:
     ecu = start(*arguments)
-    _, errors = ecu.communicate(timeout=START_S)
+    _, errors = ecu.communicate(timeout=PATIENCE_S)
     assert ecu.returncode == code
     assert message in errors
     assert "Traceback" not in errors
@@ -153,7 +153,7 @@ def test_ends_with_its_parent(tmp_path: Path) -> None:
 
 def wait_until_armed(pid: int) -> None:
     """Until the process catches SIGTERM, which is when it has asked to end with its parent."""
-    end = time.monotonic() + START_S
+    end = time.monotonic() + PATIENCE_S
     while time.monotonic() < end:
         caught = [line for line in Path(f"/proc/{pid}/status").read_text().splitlines() if line.startswith("SigCgt")]
         if int(caught[0].split()[1], 16) >> (signal.SIGTERM - 1) & 1:

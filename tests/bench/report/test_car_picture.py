@@ -1,11 +1,16 @@
 """The car to look at: joints as in the plant, size as in the file, a picture with something in it, clear errors."""
 
 import os
+import shutil
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from bench.report.car_render import View, render_car
 from bench.report.car_scene import Pose, scene
@@ -70,3 +75,40 @@ def test_viewer_without_a_screen_points_to_the_picture(monkeypatch: pytest.Monke
     assert "DISPLAY" not in os.environ
     with pytest.raises(RunError, match=r"bench vehicle show CAR --out"):
         show(load_vehicle("ekf_car"))
+
+
+@pytest.mark.skipif(shutil.which("Xvfb") is None, reason="no virtual screen here: apt install xvfb")
+def test_viewer_opens_on_a_screen_with_the_whole_car_in_sight(tmp_path: Path) -> None:
+    """On a screen in memory, whose file is an XWD dump: 24 bits of colour in 4 bytes, blue first, at its end."""
+    width, height = 1024, 768
+    reading, writing = os.pipe()
+    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", f"{width}x{height}x24", "-fbdir", str(tmp_path)]
+    with subprocess.Popen(command, pass_fds=(writing,), stderr=subprocess.DEVNULL) as screen:
+        os.close(writing)
+        with os.fdopen(reading) as number:
+            display = f":{number.readline().strip()}"
+        program = [sys.executable, "-m", "bench.cli", "vehicle", "show", "ekf_car", "--viewer"]
+        environment = {**os.environ, "DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"}
+        with subprocess.Popen(program, env=environment, stderr=subprocess.PIPE, text=True) as window:
+            try:
+                for _ in range(240):  # first the window, then the first frame, then the camera
+                    time.sleep(0.5)
+                    assert window.poll() is None, window.stderr and window.stderr.read()
+                    pixels = (tmp_path / "Xvfb_screen0").read_bytes()[-4 * width * height :]
+                    if shows_a_whole_car(np.frombuffer(pixels, np.uint8).reshape(height, width, 4)):
+                        return
+            finally:
+                window.terminate()
+                screen.terminate()
+    raise AssertionError("the viewer never shows the whole car")
+
+
+def shows_a_whole_car(screen: NDArray[np.uint8]) -> bool:
+    """Something blue in the window, with room around it; the screen beside the window is black."""
+    blue, red = screen[:, :, 0].astype(float), screen[:, :, 2].astype(float)
+    car = (blue > 1.6 * red) & (blue > 50.0)
+    rows, columns = car.any(axis=1), car.any(axis=0)
+    window = screen[:, :, :3].any(axis=2)
+    if not rows.any() or rows[:10].any() or columns[:10].any():
+        return False
+    return bool(0.03 < car.sum() / window.sum() < 0.5 and window[np.flatnonzero(rows)[-1] + 10 :].any())

@@ -107,6 +107,21 @@ def test_every_fault_changes_the_run(fault: PhysicalFault, abs_stop: ScenarioFil
     assert not np.array_equal(faulty[:, :common], healthy[:, :common], equal_nan=True)
 
 
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
+def test_every_fault_can_begin_on_line(fault: PhysicalFault, abs_stop: ScenarioFile, healthy: np.ndarray) -> None:
+    """Bit for bit the healthy run until the stimulus, another one soon after it."""
+    begins_s = 0.43  # while the pedal goes down
+    stimulus = {"target": fault.example_path, "when": {"time": begins_s}, "step": fault.example}
+    values = abs_stop.model_dump(by_alias=True) | {"stimuli": [stimulus], "time_limit": 1.2}
+    data = bench.run(ScenarioFile.model_validate(values), record=False).data
+    names = [name for name in data.names if name != "faults_active"]  # counts stimuli
+    faulty = np.array([data.array(name) for name in names])
+    plain = healthy[[data.names.index(name) for name in names]]
+    before, common = round(begins_s * 1000), min(faulty.shape[1], plain.shape[1])
+    assert np.array_equal(faulty[:, :before], plain[:, :before], equal_nan=True)
+    assert not np.array_equal(faulty[:, before:common], plain[:, before:common], equal_nan=True)
+
+
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_shipped_scenario_of_a_fault_or_a_regulation_passes(name: str) -> None:
     run = bench.run(name, ecu="inprocess", pacing="lockstep", record=False)

@@ -1,5 +1,7 @@
 """Data faults hidden in logs of a car that shares no code with the checks: the right kind, channel and value."""
 
+from dataclasses import replace
+
 import kinematic_car as car
 import numpy as np
 import pytest
@@ -52,6 +54,14 @@ def _stuck(values, random):
     return values
 
 
+def _marked(marker):
+    def mark(values, random):
+        values[random.random(len(values)) < 0.02] = marker
+        return values
+
+    return mark
+
+
 def _blank(values, random):
     values[random.random(len(values)) < 0.2] = np.nan
     return values
@@ -85,6 +95,7 @@ FAULTS = {
     "front wheels swapped": (swapped(WHEELS[0], WHEELS[1]), "channel_swap", WHEELS[:2], 2.0, 0.0),
     "rear wheels swapped": (swapped(WHEELS[2], WHEELS[3]), "channel_swap", WHEELS[2:], 2.0, 0.0),
     "left wheels swapped": (swapped(WHEELS[0], WHEELS[2]), "channel_swap", (WHEELS[0], WHEELS[2]), 2.0, 0.0),
+    "axes swapped": (swapped(*INERTIAL[:2]), "channel_swap", INERTIAL[:2], 2.0, 0.0),
     "inertial unit late": (late(0.08, *INERTIAL), "can_latency", INERTIAL, 0.08, 0.15),
     "reference late": (late(0.3, "speed"), "clock_offset", ("speed",), 0.3, 0.05),
     "reference very late": (late(1.2, "speed"), "clock_offset", ("speed",), 1.2, 0.02),
@@ -103,6 +114,9 @@ FAULTS = {
     ),
     "stuck wheel": (changed("wheel_speed_fr", _stuck), "stuck_channel", ("wheel_speed_fr",), 0.8, 0.1),
     "blanks": (changed("yaw_rate", _blank), "not_a_number", ("yaw_rate",), 0.2, 0.15),
+    "marker in the reference": (changed("speed", _marked(655.35)), "undefined_value", ("speed",), 655.35, 0.0),
+    "marker of a wheel": (changed("wheel_speed_rl", _marked(-9999.0)), "undefined_value", WHEELS[2:3], 9999.0, 0.0),
+    "zeros of a wheel": (changed("wheel_speed_fl", _marked(0.0)), "undefined_value", WHEELS[:1], 0.0, 0.0),
     "gap of 1.8 s": ({"after": _with_gap}, "gap", ("time",), 1.8, 0.02),
     "duplicates": ({"after": _with_duplicates}, "duplicate_samples", ("time",), 20.0, 0.0),
     "command": (
@@ -139,3 +153,40 @@ def test_clean_data_have_no_fault(seed, recorded, vehicle):
     faults, repaired = check_data(recorded(seed=seed, off=0.03), vehicle)
     assert faults == []
     assert all(np.mean(m.weight(n)) > 0.98 for m in repaired for n in m.channels)
+
+
+def test_forces_without_their_cause_are_not_compared(recorded, vehicle):
+    manoeuvre = recorded(seed=105, kinds=("stop",))[0]
+    force = 100.0 * np.sin(manoeuvre.time)
+    added = dict.fromkeys(("longitudinal_force_fl", "lateral_force_fl"), force)
+    weights = dict.fromkeys(added, np.ones(manoeuvre.samples))
+
+    def checked(*kept):
+        channels = {n: v for n, v in manoeuvre.channels.items() if n.startswith(kept)} | added
+        return check_data([replace(manoeuvre, channels=channels, weights=dict(manoeuvre.weights) | weights)], vehicle)
+
+    faults, repaired = checked("speed", "wheel_speed")
+    assert [(f.kind, f.channel) for f in faults] == [
+        ("missing_channel", "steering_wheel_angle"), ("missing_channel", "brake_pressure"),
+    ]  # fmt: skip
+    assert not set(added) & set(repaired[0].channels)
+    faults, repaired = checked("speed", "wheel_speed", "brake_pressure", "steering")
+    assert faults == []
+    assert set(added) <= set(repaired[0].channels)
+
+
+def test_a_slip_of_a_locked_wheel_that_rolls_is_no_measurement(recorded, vehicle):
+    """A rig writes −1 where its slip is not defined; the force says that the wheel rolls. Locked, it stays."""
+    manoeuvres = recorded(seed=104, kinds=("stop",))
+    ones = np.ones(manoeuvres[0].samples)
+    random = np.random.default_rng(1)
+    rolling = np.arange(manoeuvres[0].samples) % 200 < 100
+    for force, kinds in ((np.where(rolling, 20.0, -2000.0), {"undefined_value"}), (-2000.0 * ones, set())):
+        slip = np.where(rolling, -1.0, -0.1) + 2e-4 * random.standard_normal(len(ones))
+        added = {"slip_ratio_fl": slip, "longitudinal_force_fl": force, "vertical_load_fl": 3000.0 * ones}
+        weights = dict.fromkeys(added, ones)
+        rig = [replace(m, channels=dict(m.channels) | added, weights=dict(m.weights) | weights) for m in manoeuvres[:1]]
+        faults, repaired = check_data(rig, vehicle)
+        assert {fault.kind for fault in faults} == kinds
+        masked = repaired[0].weight("slip_ratio_fl") == 0.0
+        np.testing.assert_array_equal(masked, rolling if kinds else False)

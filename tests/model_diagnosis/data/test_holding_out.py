@@ -6,6 +6,7 @@ import pytest
 
 from model_diagnosis.data import read_manoeuvres
 from model_diagnosis.data.holding_out import held_out_by_time
+from model_diagnosis.data.liveliest import liveliest, liveliness
 from signals.errors import InputError
 
 
@@ -55,3 +56,19 @@ def test_a_share_that_leaves_one_side_empty_is_refused(two_drives):
         held_out_by_time(short, 0.9)
     with pytest.raises(InputError, match="above 0 and below 1"):
         held_out_by_time(short, 1.0)
+
+
+def test_the_liveliest_manoeuvres_are_searched_in_their_order(tmp_path, vehicle, channel_map):
+    random = np.random.default_rng(12)
+    paths = []
+    for kind in ("coast", "stop", "slalom", "turn_brake"):
+        driven = car.drive(kind, random)
+        paths.append(car.write_csv(tmp_path / f"{kind}.csv", car.logged(driven, car.sensed(driven, random), random)))
+    manoeuvres = read_manoeuvres(paths, channel_map, vehicle)
+    of = {m.name: m for m in manoeuvres}
+    assert min(manoeuvres, key=liveliness) is of["coast"]
+    assert liveliest(manoeuvres, 100.0) == manoeuvres
+    assert [m.name for m in liveliest(manoeuvres, 28.0)] == ["stop", "slalom", "turn_brake"]
+    assert len(liveliest(manoeuvres, 5.0)) == 1  # never nothing
+    with pytest.raises(InputError, match="above 0 s"):
+        liveliest(manoeuvres, 0.0)

@@ -50,6 +50,7 @@ def test_250lm_filtered_yaw_rate_is_in_degrees_and_the_plain_one_is_not():
 def test_rig_loads_are_counted_upwards():
     manoeuvres, faults = _checked("tyre-rig-ttc-deid")
     assert ("channel_sign", "vertical_load_fl") in _kinds(faults)
+    assert {("missing_channel", "steering_wheel_angle"), ("missing_channel", "brake_pressure")} <= _kinds(faults)
     assert len(manoeuvres) > 20
 
 
@@ -57,6 +58,24 @@ def test_simulated_slaloms_have_no_data_fault():
     manoeuvres, faults = _checked("carmaker-bosch", "*.CSV.gz")
     assert len(manoeuvres) >= 3
     assert _kinds(faults) == set()
+
+
+def test_accelerometer_axes_of_the_rav4_under_each_others_name_are_found(tmp_path):
+    """ACCEL_X, so named in the DBC, is the one along the car: it follows the change of speed of the wheels."""
+    archive = SHARED / "comma2k19-rav4" / "segment40.npz"
+    if not archive.is_file():
+        pytest.skip(f"no reference data in {archive}")
+    shipped = SHIPPED / "comma2k19-rav4"
+    subprocess.run([sys.executable, str(shipped / "convert.py"), str(archive), str(tmp_path)], check=True)
+    (tmp_path / "car.dbc").write_text((shipped / "car.dbc").read_text("utf-8"))
+    text = (shipped / "channels.yaml").read_text("utf-8")
+    swapped = text.replace("ACCEL_X", "ACCEL_Z").replace("ACCEL_Y", "ACCEL_X").replace("ACCEL_Z", "ACCEL_Y")
+    logs = [tmp_path / "can.log", tmp_path / "steering.csv", tmp_path / "pose.csv"]
+    for name, content, found in (("swapped", swapped, True), ("right", text, False)):
+        (tmp_path / f"{name}.yaml").write_text(content)
+        _, faults = _checked("comma2k19-rav4", channel_map=tmp_path / f"{name}.yaml", logs=logs)
+        axes = [f for f in faults if f.kind == "channel_swap"]
+        assert [f.channel for f in axes] == ["longitudinal_acceleration, lateral_acceleration"] * found
 
 
 def test_three_loggers_of_the_rav4_become_one_drive(tmp_path):
@@ -75,3 +94,40 @@ def test_three_loggers_of_the_rav4_become_one_drive(tmp_path):
     # 20 Hz poses, 83 Hz frames: only the pose's own samples count
     assert manoeuvres[0].weight("speed").mean() == pytest.approx(0.2, abs=0.05)
     assert not any(kind in ("channel_unit", "channel_sign", "channel_swap") for kind, _ in _kinds(faults))
+
+
+def test_rig_slip_of_a_free_wheel_is_no_slip(tmp_path):
+    """The rig's own slip, SR, is written as −1 while the wheel rolls freely in the cornering sweeps."""
+    text = (SHIPPED / "tyre-rig-ttc-deid" / "channels.yaml").read_text("utf-8").replace("source: SL", "source: SR")
+    (tmp_path / "channels.yaml").write_text(text)
+    _, faults = _checked("tyre-rig-ttc-deid", "cornering*", tmp_path / "channels.yaml")
+    free = next(f for f in faults if f.kind == "undefined_value")
+    assert (free.channel, free.value) == ("slip_ratio_fl", -1.0)
+
+
+def test_wheels_declared_in_metres_per_second_are_found_to_be_in_kilometres_per_hour(tmp_path):
+    text = (SHIPPED / "iac-av21" / "channels.yaml").read_text("utf-8").replace("unit: km/h", "unit: m/s")
+    (tmp_path / "channels.yaml").write_text(text)
+    _, faults = _checked("iac-av21", channel_map=tmp_path / "channels.yaml")
+    unit = next(f for f in faults if f.kind == "channel_unit")
+    assert unit.channel.startswith("wheel_speed_fl")
+    assert unit.value == pytest.approx(3.6, rel=1e-6)
+    assert unit.repaired
+
+
+def test_frames_of_the_rav4_without_their_last_zero_bytes_are_completed(tmp_path):
+    """As exports by text tools leave them: none of the frames' samples is lost."""
+    archive = SHARED / "comma2k19-rav4" / "segment40.npz"
+    if not archive.is_file():
+        pytest.skip(f"no reference data in {archive}")
+    converter = SHIPPED / "comma2k19-rav4" / "convert.py"
+    subprocess.run([sys.executable, str(converter), str(archive), str(tmp_path)], check=True)
+    lines = (tmp_path / "can.log").read_text().splitlines()
+    cut = [
+        f"{head}#{bytes.fromhex(data).rstrip(bytes(1)).hex()}" for head, _, data in (x.rpartition("#") for x in lines)
+    ]
+    (tmp_path / "can.log").write_text("\n".join(cut) + "\n")
+    _, faults = _checked("comma2k19-rav4", logs=[tmp_path / "can.log"])
+    short = {f.channel: f.value for f in faults if f.kind == "cut_frames"}
+    assert set(short) == {"KINEMATICS", "WHEEL_SPEEDS"}
+    assert not any(f.kind == "frame_drop_hold" for f in faults)

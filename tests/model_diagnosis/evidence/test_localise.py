@@ -1,37 +1,70 @@
-"""Violated equations: a drifting disturbance is found in the equation that has it."""
+"""Violated equations: the likelihood of an error of its own, and where it is found."""
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 from scipy.stats import multivariate_normal
 
-from model_diagnosis.evidence.localise import _log_likelihood, likelihood_ratio, violated_equations
+from model_diagnosis.evidence.localise import EquationErrors, block_diagonal, violated_equations, violation
 
 
-def test_likelihood_of_a_random_walk_under_noise_is_its_gaussian_density() -> None:
+def test_violation_is_the_largest_likelihood_of_a_gaussian_with_the_error_in_its_covariance() -> None:
+    """Against scipy's density: residual e ~ N(0, I + q S S'), here with S of 4 columns and an error of size 0.8."""
     rng = np.random.default_rng(0)
-    series = rng.standard_normal(12)
-    noise, ratio = 0.7, 0.4
-    steps = np.minimum.outer(np.arange(1, 13), np.arange(1, 13))
-    covariance = ratio * noise * steps + noise * np.eye(12)
-    exact = multivariate_normal(np.zeros(12), covariance).logpdf(series)
-    assert _log_likelihood(series, noise, ratio) - 6.0 * np.log(2.0 * np.pi) == pytest.approx(exact)
+    answers = rng.standard_normal((30, 4))
+    residual = rng.standard_normal(30) + answers @ (0.8 * rng.standard_normal(4))
+
+    def minus_log_density(log_variance: float) -> float:
+        covariance = np.eye(30) + np.exp(log_variance) * answers @ answers.T
+        return -float(multivariate_normal(np.zeros(30), covariance).logpdf(residual))
+
+    best = minimize_scalar(minus_log_density, bounds=(-10.0, 5.0), method="bounded")
+    nothing = float(multivariate_normal(np.zeros(30), np.eye(30)).logpdf(residual))
+    found = violation(answers.T @ residual, answers.T @ answers)
+    assert found.likelihood_ratio == pytest.approx(2.0 * (-best.fun - nothing), rel=1e-3)
+    assert found.std == pytest.approx(np.exp(0.5 * best.x), rel=0.02)
 
 
-def test_white_errors_give_no_ratio_and_a_drift_a_large_one() -> None:
+def test_without_an_error_the_ratio_is_zero_in_half_of_all_cases_and_small_in_the_others() -> None:
+    """Half a chi-squared of one degree of freedom (Self and Liang 1987): 99 % are below 5.4."""
     rng = np.random.default_rng(1)
-    white = [rng.standard_normal(900) for _ in range(3)]
-    drifting = [values + 0.15 * np.cumsum(rng.standard_normal(900)) for values in white]
-    # chi-squared with one degree of freedom at its bound: 99.9 % below 9.6; the noise variance is estimated
-    assert likelihood_ratio(white) < 12.0
-    assert likelihood_ratio(drifting) > 100.0
+    ratios = []
+    for _ in range(400):
+        answers = rng.standard_normal((60, 12))
+        ratios.append(violation(answers.T @ rng.standard_normal(60), answers.T @ answers).likelihood_ratio)
+    assert 0.4 < np.mean(np.array(ratios) == 0.0) < 0.75
+    assert np.quantile(ratios, 0.99) < 5.4
+
+
+def test_errors_up_to_the_usual_size_are_no_violation() -> None:
+    rng = np.random.default_rng(2)
+    answers = 5.0 * rng.standard_normal((60, 12))
+    residual = rng.standard_normal(60) + answers @ (0.5 * rng.standard_normal(12))
+    score, information = answers.T @ residual, answers.T @ answers
+    assert violation(score, information).likelihood_ratio > 50.0
+    assert violation(score, information, usual=1.0).likelihood_ratio == 0.0
 
 
 def test_the_guilty_equation_comes_first_and_gaps_are_left_out() -> None:
-    rng = np.random.default_rng(2)
-    clean, broken = rng.standard_normal(700), rng.standard_normal(700)
-    broken[200:500] += 3.0
+    rng = np.random.default_rng(3)
+    course = np.sin(np.arange(700) * 0.02)
+    noise = {name: rng.standard_normal(700) for name in ("yaw moment", "wheel torque fl")}
+    broken = noise["wheel torque fl"] + 1.5 * course
     broken[100:120] = np.nan
-    errors = [{"yaw moment": clean, "wheel torque fl": broken}]
-    found = violated_equations(errors, temperature=2.0)
+    errors = EquationErrors(
+        nothing=noise | {"wheel torque fl": broken},
+        saturated=noise,
+        scattered=[dict.fromkeys(noise, 0.05 * course)],
+        courses={name: [np.ones(700), course / np.sqrt(np.mean(course**2))] for name in noise},
+    )
+    found = violated_equations([errors, errors], temperature=2.0)
     assert list(found) == ["wheel torque fl", "yaw moment"]
-    assert found["wheel torque fl"] > 20.0 * max(found["yaw moment"], 1.0)
+    assert found["wheel torque fl"].likelihood_ratio > 50.0
+    # constant 0 and share 1.5 of a course of rms 0.71: sqrt(1.06^2 / 2)
+    assert found["wheel torque fl"].std == pytest.approx(0.75, abs=0.15)
+    assert found["yaw moment"].likelihood_ratio < 5.0
+
+
+def test_blocks_stand_on_the_diagonal() -> None:
+    joined = block_diagonal([np.full((2, 2), 3.0), np.array([[7.0]])])
+    np.testing.assert_array_equal(joined, [[3.0, 3.0, 0.0], [3.0, 3.0, 0.0], [0.0, 0.0, 7.0]])

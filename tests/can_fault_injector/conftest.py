@@ -1,0 +1,6 @@
+"""Testers that several files share stand in modules of this folder."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))

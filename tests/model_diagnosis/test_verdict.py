@@ -1,0 +1,28 @@
+"""The verdict where nothing is found: about the data, about the car, or neither."""
+
+import pytest
+
+from model_diagnosis.effects.catalogue import EFFECTS
+from model_diagnosis.evidence.excitation import DATA_GROUPS
+from model_diagnosis.result import DataFault
+from model_diagnosis.verdict import verdict_of
+
+CAR = [effect.name for effect in EFFECTS if effect.group not in DATA_GROUPS]
+SIGN = DataFault(kind="channel_sign", channel="yaw_rate", repaired=True, message="turned round")
+MISSING = DataFault(kind="missing_channel", channel="yaw_rate", message="no log has it")
+
+
+@pytest.mark.parametrize(
+    ("faults", "unseen", "verdict"),
+    [
+        ([], CAR[:20], "nothing_found"),
+        ([MISSING], CAR[:20], "nothing_found"),
+        ([SIGN], CAR[:20], "data_fault"),
+        ([], CAR[:-10], "insufficient_data"),
+        ([SIGN], CAR[:-10], "data_fault"),
+        # a wheel on a rig: its loads are turned round, but that says nothing of the car
+        ([SIGN], CAR[:-2], "insufficient_data"),
+    ],
+)
+def test_nothing_found_is_one_of_three_answers(faults, unseen, verdict):
+    assert verdict_of([], [], faults, None, unseen, len(EFFECTS)) == verdict
