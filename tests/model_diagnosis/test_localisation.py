@@ -17,7 +17,7 @@ from model_diagnosis.replay import Replay
 from model_diagnosis.result import ViolatedEquation
 
 SIX = ("abs_stop", "accelerate_and_brake", "brake_in_turn", "coast", "gentle_stops", "sine_steer")
-"""With fewer manoeuvres, or without the effects that are off in every car, neighbours of the guilty equation are lit."""
+"""With fewer manoeuvres, or without effects that are off in every car, neighbours of the guilty equation are lit."""
 
 
 @pytest.mark.parametrize(
