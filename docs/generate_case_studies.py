@@ -12,6 +12,10 @@ import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from model_diagnosis.result import Diagnosis, OverallGain
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
@@ -77,7 +81,7 @@ def pictured(folder: Path, picture: Path) -> None:
     subprocess.run([*command, (folder / "diagnosis.html").absolute().as_uri()], check=True, capture_output=True)
 
 
-def figures(name: str, answer: dict) -> str:
+def figures(name: str, answer: dict[str, Any]) -> str:
     """What the run printed, as tables."""
     from bench.diagnosis_report.words import BADGES, headline
     from model_diagnosis.result import Diagnosis
@@ -99,14 +103,14 @@ def _table(heads: list[str], rows: list[list[str]]) -> str:
     return "\n".join([*lines, *("| " + " | ".join(cell.replace("|", "∣") for cell in row) + " |" for row in rows)])
 
 
-def _faults(diagnosis) -> str:
+def _faults(diagnosis: "Diagnosis") -> str:
     if not diagnosis.data_faults:
         return "No fault of the data was found."
     rows = [[f"`{f.kind}`", f"`{f.channel}`", f.message] for f in diagnosis.data_faults]
     return "Faults of the data:\n\n" + _table(["fault", "channel", "what it means"], rows)
 
 
-def _causes(diagnosis) -> str:
+def _causes(diagnosis: "Diagnosis") -> str:
     from bench.diagnosis_report.words import parameter_texts, percent
 
     rows = []
@@ -121,7 +125,7 @@ def _causes(diagnosis) -> str:
     return _table(heads, rows) if rows else ""
 
 
-def _gain(diagnosis) -> str:
+def _gain(diagnosis: "Diagnosis") -> str:
     from bench.report.formatting import number
 
     gain = diagnosis.gain
@@ -138,11 +142,11 @@ def _gain(diagnosis) -> str:
     return words + ".\n\n" + _table(["signal", "before", "after", "90 % interval", "sensor's noise"], rows)
 
 
-def _percent(overall) -> str:
+def _percent(overall: "OverallGain") -> str:
     return f"{100 * overall.ratio:.0f} % [{100 * overall.low:.0f}, {100 * overall.high:.0f}]"
 
 
-def _rest(diagnosis) -> str:
+def _rest(diagnosis: "Diagnosis") -> str:
     lit = sorted(diagnosis.guilty_equations.items(), key=lambda item: -item[1])[:4]
     lines = ["Violated equations, the worst first: " + ", ".join(f"{name}" for name, _ in lit) + "."] if lit else []
     lines += [f"- {remark}" for remark in diagnosis.remarks]
