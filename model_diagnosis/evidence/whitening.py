@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from model_diagnosis.evidence.replay_model import ReplayModel
+from model_diagnosis.replay.smoothing import noise_of
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -127,6 +128,9 @@ def _fit_signal(signal: str, column: int, samples: IntArray, residual: FloatArra
     lags = np.stack([residual[ORDER - lag : -lag] for lag in range(1, ORDER + 1)], axis=1)
     gram = lags.T @ lags
     gram[np.diag_indices(ORDER)] += RIDGE * max(float(np.trace(gram)) / ORDER, 1e-300)
+    # a log without its sensors' noise would be predicted from itself so well that nothing slow is left to explain
+    lacking = max((0.5 * own_std) ** 2 - noise_of(residual) ** 2, 0.0)
+    gram[np.diag_indices(ORDER)] += len(lags) * lacking
     coefficients = np.asarray(np.linalg.solve(gram, lags.T @ residual[ORDER:]), dtype=np.float64)
     innovations = residual[ORDER:] - lags @ coefficients
     # what the sensor's own noise becomes behind the same filter is the least that can be left

@@ -102,7 +102,7 @@ def equation_forces(replay: Replay, theta: FloatArray, m: int) -> dict[str, list
 def _of_level_one(courses: list[tuple[int, FloatArray]], least: float) -> Iterator[tuple[int, FloatArray]]:
     for place, course in courses:
         level = float(np.sqrt(np.mean(course**2)))
-        if level > least or np.ptp(course) == 0.0:
+        if level > least or (level > 0.0 and np.ptp(course) == 0.0):
             yield place, course / level
 
 

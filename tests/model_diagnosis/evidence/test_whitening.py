@@ -72,3 +72,13 @@ def test_temperature_is_the_factor_between_scores_of_blocks_and_their_expectatio
     # a common part of variance v in all 50 samples of a block: (1 + 50 v) times the variance; Huber's weight lowers it
     common = 0.6 * white + np.repeat(rng.standard_normal(800), 50) * 0.5
     assert temperature([common], [matrix], [blocks]) == pytest.approx(0.36 + 50 * 0.25, rel=0.12)
+
+
+def test_a_residual_without_noise_is_whitened_as_one_with_half_of_its_sensors() -> None:
+    car = LinearCar([effect("mass")], np.zeros(1), seed=1, samples=6000, manoeuvres=1)
+    shape = car.residuals(np.zeros(1))[0].shape
+    slow = np.repeat(10.0 * NOISE_STD * np.sin(2.0 * np.pi * np.arange(6000) / 300.0)[:, None], shape[1], axis=1)
+    noise = 0.5 * NOISE_STD * np.random.default_rng(5).standard_normal(shape)
+    quiet, noisy = fit_whitener(car, [slow]), fit_whitener(car, [slow + noise])
+    for one, other in zip(quiet.filters[0], noisy.filters[0], strict=True):
+        np.testing.assert_allclose(one.coefficients, other.coefficients, atol=4.0 / np.sqrt(6000))

@@ -10,7 +10,7 @@ NOISE = 3e4
 
 
 def followed(master: np.ndarray, step_s: float = 0.01) -> np.ndarray:
-    """Wheel pressure behind a valve that fills it slowly and empties it fast (50 ms and 10 ms, friction document 2.6)."""
+    """Wheel pressure behind a valve that fills it slowly and empties it fast (50 ms, 10 ms; friction document 2.6)."""
     wheel = np.empty_like(master)
     wheel[0] = master[0]
     for k in range(1, len(master)):
