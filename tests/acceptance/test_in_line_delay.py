@@ -52,16 +52,27 @@ def test_mean_of_ten_runs_is_the_table_within_three_percent(
 
 @pytest.mark.parametrize("rate", TABLE_7_NS)
 def test_both_criteria_of_the_source_are_reported_apart(rate: int, runs: list[Verdict]) -> None:
-    """Shorter than a bit everywhere; windows overlap up to 500 kbit/s, where an early sample is in time."""
+    """Shorter than a bit everywhere; windows overlap up to 500 kbit/s, where an early sample is in time.
+
+    At 800 kbit/s the border, 30 % of a bit or 375 ns, lies within the scatter of 10 ns about the table's 380 ns: single
+    measurements fall on both sides, their mean does not.
+    """
     for verdict in runs:
         values = {criterion.id: criterion.value for criterion in verdict.criteria}
         assert values[f"below_one_bit_{rate}"] == pytest.approx(TABLE_7_NS[rate] * rate * 1e-6, rel=0.03)
         assert values[f"below_one_bit_{rate}"] < 1
-        assert values[f"window_overlap_{rate}"] == float(rate <= 500)
-        if rate <= 500:  # without overlapping windows the source promises nothing
-            assert values[f"passed_early_{rate}"] == 1.0
+        if rate != 800:
+            assert values[f"window_overlap_{rate}"] == float(rate <= 500)
+        # the acknowledgement is back after twice the delay: 72 % and 61 % of a bit above 500 kbit/s
+        assert values[f"passed_early_{rate}"] == float(rate <= 500)
         assert values[f"passed_late_{rate}"] == 1.0
         assert verdict.verdict == "pass"
+
+
+def test_windows_at_800_kbit_s_do_not_overlap_in_the_mean(criteria: Mapping[str, CriterionResult]) -> None:
+    criterion = criteria["A19_no_overlap_800"]
+    assert criterion.value == pytest.approx(TABLE_7_NS[800] * 800e-6, rel=0.03)
+    assert criterion.verdict == "pass"
 
 
 def test_the_gateway_s_own_latency_is_reported_apart(
