@@ -11,7 +11,7 @@ from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay.hydraulic import HydraulicLog, read_hydraulics
 from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of, turning
 from model_diagnosis.replay.record import CORRECTED, OUTPUTS
-from model_diagnosis.replay.smoothing import without_noise
+from model_diagnosis.replay.smoothing import pressure_without_noise
 from signals.errors import InputError
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
@@ -107,7 +107,7 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> Prepared:
             mend="map them in the channel map",
         )
     driving = {
-        name: without_noise(values) if name in (*PRESSURES, "master_pressure") else values
+        name: pressure_without_noise(values) if name in (*PRESSURES, "master_pressure") else values
         for name, values in channels.items()
     }
     inputs = read_inputs(manoeuvre, driving, vehicle)

@@ -17,6 +17,9 @@ HALF_WIDTHS = (2, 4, 8, 16)
 _ALLOWED_SPREADS = 3.0
 """Standard deviations of a chi-square over its freedoms, up to which noise explains the residual variance."""
 
+_LEAST_PRESSURE = 0.5
+"""Share of the noise below which a pressure is none: three deviations of the mean over the widest window."""
+
 _MEDIAN_OF_NORMAL = 0.6745
 
 
@@ -44,6 +47,13 @@ def without_noise(values: FloatArray) -> FloatArray:
         growing &= spread <= allowed * noise**2
         kept[growing] = line[growing]
     return kept
+
+
+def pressure_without_noise(values: FloatArray) -> FloatArray:
+    """Pressure (n,) without noise, and none at all where no more is left than the noise of a window's mean."""
+    quiet = without_noise(values)
+    quiet[quiet < _LEAST_PRESSURE * noise_of(values)] = 0.0
+    return quiet
 
 
 def _local_lines(values: FloatArray, half: int) -> tuple[FloatArray, FloatArray]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model_diagnosis.replay.smoothing import HALF_WIDTHS, noise_of, without_noise
+from model_diagnosis.replay.smoothing import HALF_WIDTHS, noise_of, pressure_without_noise, without_noise
 
 NOISE = 3e4
 """A series pressure sensor's, Pa."""
@@ -56,3 +56,12 @@ def test_samples_without_noise_and_short_stretches_are_handed_through() -> None:
     np.testing.assert_allclose(without_noise(ramp), ramp, atol=1e-6)
     few = np.array([1.0, 2.0, 4.0])
     assert np.array_equal(without_noise(few), few)
+
+
+def test_released_brakes_are_not_pressed_by_noise() -> None:
+    noise = NOISE * np.random.default_rng(6).standard_normal(4000)
+    noise[3000:] += 2e6
+    raw, quiet = np.maximum(noise[:2950], 0.0), np.maximum(pressure_without_noise(noise)[:2950], 0.0)
+    assert raw.mean() == pytest.approx(NOISE / np.sqrt(2.0 * np.pi), rel=0.05)  # mean of the positive half of a normal
+    assert quiet.mean() < 0.03 * NOISE
+    assert pressure_without_noise(noise)[3100:3900].mean() == pytest.approx(2e6, rel=0.002)
