@@ -187,6 +187,7 @@ class LateralMemory(NamedTuple):
     """Arrays of the filter: what it keeps, then scratch."""
 
     x: FloatArray
+    held: FloatArray
     covariance: FloatArray
     weights: FloatArray
     rows: IntArray
@@ -210,6 +211,7 @@ def lateral_memory(weights: tuple[FloatArray, FloatArray]) -> LateralMemory:
     n, m = LATERAL_STATES, MEASUREMENTS
     return LateralMemory(
         x=np.zeros(n),
+        held=np.zeros(n),
         covariance=np.zeros((n, n)),
         weights=np.array(weights),
         rows=np.zeros(m, dtype=np.int64),
@@ -241,6 +243,8 @@ def lateral_step(m: Any, s: Any, curves: Any, car: Any, t: Any, measured_w: floa
     """
     dt = t.dt * t.lateral_ticks
     hand_over(m.x, m.covariance, curves, t)
+    for j in range(LATERAL_STATES):
+        m.held[j] = m.x[j]
     floor_covariance(m.covariance, m.factor, m.work)
     draw_rooted(m.x, m.factor, t.spread, m.points)
     # with the slip angles of the last step (3.7), which are as old as what the sensors' filters and frames let through
@@ -277,6 +281,11 @@ def lateral_step(m: Any, s: Any, curves: Any, car: Any, t: Any, measured_w: floa
     )
     if not (np.isfinite(s.innovation) and all_finite(m.x)):
         return False
+    if s.rejected_y == 1:
+        # without the accelerometer nothing tells the friction: the yaw rate alone would bend slopes and limits until
+        # they explain it, and the lateral speed with them
+        for j in range(SLOPE, LATERAL_STATES):
+            m.x[j] = m.held[j]
     bound_state(m.x)
     floor_covariance(m.covariance, m.factor, m.work)
     _publish(m.x, s, curves, car, t)

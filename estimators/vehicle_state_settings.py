@@ -185,14 +185,12 @@ class CurveSettings(FileModel):
     threshold_longitudinal: float = parameter(
         "1", 0.0085, low=0.001, high=0.5, description="at the start, or fixed", source=_OWN
     )
-    lowest_lateral: float = parameter(
-        "rad", 0.0209440, low=0.0, high=0.3, description="1.2 deg; 3.4 [E]: 1.5 deg", source=_OWN
-    )
+    lowest_lateral: float = parameter("rad", 0.0261799, low=0.0, high=0.3, description="1.5 deg", source="3.4 [E]")
     highest_lateral: float = parameter("rad", 0.0610865, low=0.0, high=0.3, description="3.5 deg", source="3.4 [E]")
     lowest_longitudinal: float = parameter("1", 0.006, low=0.0, high=0.5, description="", source=_OWN)
     highest_longitudinal: float = parameter("1", 0.15, low=0.0, high=1.0, description="", source=_OWN)
     share_lateral: float = parameter(
-        "1", 0.4, low=0.05, high=2.0, description="B times threshold; 3.4 [E]: 0.44", source=_OWN
+        "1", 0.42, low=0.05, high=2.0, description="B times threshold; 3.4 [E]: 0.44", source=_OWN
     )
     share_longitudinal: float = parameter(
         "1", 0.63, low=0.05, high=2.0, description="B times threshold", source="3.4 [E]"

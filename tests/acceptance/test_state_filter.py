@@ -230,7 +230,7 @@ def test_thresholds_by_surface_and_by_rule(degrees: float, d: float, b: float) -
     automatic = curve_memory()
     curve = feed(automatic, angles, law(angles, d, b))
     assert curve["fits"] == 1
-    assert curve["threshold"] == pytest.approx(min(max(0.40 / b, math.radians(1.2)), math.radians(3.5)), rel=0.02)
+    assert curve["threshold"] == pytest.approx(min(max(0.42 / b, math.radians(1.5)), math.radians(3.5)), rel=0.02)
 
 
 @pytest.mark.acceptance("V-37")
