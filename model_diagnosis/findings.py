@@ -24,6 +24,7 @@ class ManoeuvreFindings:
     measured, before, after : (n, c) measured, replayed by the vehicle as given, replayed with what was found (observer
         replay, the one behind all statistics; ``after`` equals ``before`` where nothing was found)
     free_before, free_after : (n, c) free runs from the first sample, for the pictures; None where not made
+    restarted_before, restarted_after : (n, c) free runs that restart each second at the measured speeds and yaw rate
     weights : (n, c), 0 where a sample counts for nothing
     states : catalogue name -> (n,) of the replay at the answer, to show residuals over them: ``speed``,
         ``slip_ratio_fl``, ``slip_angle_fl``, ``brake_disc_temperature_fl``, …; whatever is missing is not drawn
@@ -38,6 +39,8 @@ class ManoeuvreFindings:
     weights: FloatArray
     free_before: FloatArray | None = None
     free_after: FloatArray | None = None
+    restarted_before: FloatArray | None = None
+    restarted_after: FloatArray | None = None
     states: Mapping[str, FloatArray] = field(default_factory=dict)
     held_out: bool = False
 

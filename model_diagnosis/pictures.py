@@ -10,6 +10,9 @@ from model_diagnosis.replay import Replay
 
 FloatArray = NDArray[np.float64]
 
+HORIZON_S = 1.0
+"""Time after which the short free runs start again from what was measured (model discrepancy anchor, section 3.2)."""
+
 
 def manoeuvre_findings(
     replay: Replay, after: FloatArray, *, held_out: bool, free_runs: bool = True
@@ -31,6 +34,8 @@ def manoeuvre_findings(
                 weights=weights[number],
                 free_before=replay.free_run(neutral, number) if free_runs else None,
                 free_after=replay.free_run(after, number) if free_runs else None,
+                restarted_before=replay.free_run(neutral, number, HORIZON_S) if free_runs else None,
+                restarted_after=replay.free_run(after, number, HORIZON_S) if free_runs else None,
                 states=_states(replay, after, number),
                 held_out=held_out,
             )

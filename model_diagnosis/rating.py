@@ -97,14 +97,18 @@ def rate(measured: ArrayLike, replayed: ArrayLike) -> Rating:
     )
 
 
-def ratings_of(findings: ManoeuvreFindings, *, extended: bool = False) -> Mapping[str, Rating]:
+def ratings_of(findings: ManoeuvreFindings, *, extended: bool = False, restarted: bool = False) -> Mapping[str, Rating]:
     """Rating of every signal of a manoeuvre that can be rated, by its name.
 
-    The free run is rated where there is one, else the observer replay, with the vehicle as given or, ``extended``, with
-    what was found. Samples of weight 0 are left out of both curves.
+    The free run is rated, or ``restarted`` the one that starts again each second; where there is none the observer
+    replay. With the vehicle as given or, ``extended``, with what was found. Samples of weight 0 are left out of both
+    curves.
     """
-    free = findings.free_after if extended else findings.free_before
-    replayed = free if free is not None else (findings.after if extended else findings.before)
+    if restarted:
+        run = findings.restarted_after if extended else findings.restarted_before
+    else:
+        run = findings.free_after if extended else findings.free_before
+    replayed = run if run is not None else (findings.after if extended else findings.before)
     rated: dict[str, Rating] = {}
     for column, signal in enumerate(findings.signals):
         valid = (findings.weights[:, column] > 0) & np.isfinite(replayed[:, column])

@@ -141,7 +141,10 @@ class Diagnosis(Part):
         default_factory=dict, description="equation -> likelihood ratio by innovations of the stochastic replay"
     )
     ratings: dict[str, dict[str, float]] = Field(
-        default_factory=dict, description="manoeuvre -> signal -> ISO/TS 18571 rating"
+        default_factory=dict, description="manoeuvre -> signal -> ISO/TS 18571 rating of the free run"
+    )
+    ratings_restarted: dict[str, dict[str, float]] = Field(
+        default_factory=dict, description="the same of the run that restarts each second"
     )
     probability_of_nothing: float | None = None
     threshold: float | None = Field(default=None, description="log Bayes factor needed, from the bootstrap")

@@ -156,14 +156,22 @@ def find(
     )
     answer = findings.diagnosis.model_copy(
         update={
-            "ratings": {
-                part.manoeuvre.name: {name: round(rated.overall, 4) for name, rated in ratings_of(part).items()}
-                for part in findings.manoeuvres
-            },
+            "ratings": _ratings(findings, restarted=False),
+            "ratings_restarted": _ratings(findings, restarted=True),
             "versions": findings.diagnosis.versions | versions(),
         }
     )
     return Found(replace(findings, diagnosis=answer, logs=[*logs, *hold_out]), car, name)
+
+
+def _ratings(findings: Findings, *, restarted: bool) -> dict[str, dict[str, float]]:
+    """Manoeuvre -> signal -> rating of the vehicle as given."""
+    return {
+        part.manoeuvre.name: {
+            name: round(rated.overall, 4) for name, rated in ratings_of(part, restarted=restarted).items()
+        }
+        for part in findings.manoeuvres
+    }
 
 
 def read(logs: Sequence[str], vehicle: VehicleFile, channel_map: ChannelMap | None) -> list[Manoeuvre]:

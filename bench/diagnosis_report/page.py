@@ -78,7 +78,10 @@ def page_of(findings: Findings) -> str:
         "figures": _user_figures(diagnosis),
         "terms": [_term(term) for term in diagnosis.discovered_terms],
         "evidence": evidence_bars(findings.evidence, diagnosis.threshold, diagnosis.causes),
-        "ratings": rating_table(findings),
+        "ratings": [
+            ("free runs from the first sample", rating_table(findings)),
+            ("runs that restart each second at the measured speeds", rating_table(findings, restarted=True)),
+        ],
         "uncompared": [signal_words(name) for name in uncompared_signals(timeline)],
         "insufficient": [plain(name) for name in diagnosis.insufficient],
         "separated": [plain(name) for name in diagnosis.next_manoeuvre.separates] if diagnosis.next_manoeuvre else [],
@@ -90,10 +93,12 @@ def page_of(findings: Findings) -> str:
     return render("diagnosis.html.j2", book.inline(steps), contents)
 
 
-def rating_table(findings: Findings) -> dict[str, Any] | None:
+def rating_table(findings: Findings, *, restarted: bool = False) -> dict[str, Any] | None:
     """Rating of every signal and manoeuvre before and after: heads, and rows of cells (texts and grade)."""
-    before = [ratings_of(part) for part in findings.manoeuvres]
-    after = [ratings_of(part, extended=True) for part in findings.manoeuvres]
+    if restarted and all(part.restarted_before is None for part in findings.manoeuvres):
+        return None
+    before = [ratings_of(part, restarted=restarted) for part in findings.manoeuvres]
+    after = [ratings_of(part, extended=True, restarted=restarted) for part in findings.manoeuvres]
     signals = list(dict.fromkeys(name for rated in before for name in rated))
     if not signals:
         return None

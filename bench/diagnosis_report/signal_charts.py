@@ -84,6 +84,10 @@ def _curves(
         series.append(_series(book, timeline, f"{name}.before", before, factor, label, BEFORE, dashed=True))
     if after is not None and extended:
         series.append(_series(book, timeline, f"{name}.after", after, factor, "with what was found", AFTER))
+    restarted = timeline.column(name, lambda part: part.restarted_after if extended else part.restarted_before)
+    if restarted is not None:
+        label, colour = "restarted each second", AFTER if extended else BEFORE
+        series.append(_series(book, timeline, f"{name}.restarted", restarted, factor, label, colour, weight="thin"))
     band = NOISE_BAND_STDS * sensor_std.get(name, 0.0)
     areas = [_band(book, timeline, f"{name}.measured", measured - band, measured + band, factor)] if band > 0 else []
     return LineChart(

@@ -81,6 +81,8 @@ def manoeuvre(name: str, bar: float, seconds: float, seed: int, *, held_out: boo
         weights=weights,
         free_before=before,
         free_after=after,
+        restarted_before=measured + 0.25 * (before - measured),
+        restarted_after=after,
         states={
             "speed": truth[:, 1],
             **{f"slip_ratio_{wheel}": truth[:, 2] * RADIUS_M / np.maximum(truth[:, 1], 1.0) - 1.0 for wheel in WHEELS},

@@ -49,6 +49,29 @@ def test_everything_found_is_on_the_page(diagnosis_page: Path) -> None:
         assert words in page
 
 
+def test_runs_that_restart_each_second_are_drawn_and_rated_beside_the_free_ones(
+    diagnosis_page: Path, findings: Findings
+) -> None:
+    page = texts(diagnosis_page.read_text("utf-8"))
+    assert "Free runs from the first sample" in page
+    assert "Runs that restart each second at the measured speeds" in page
+    assert "restarted each second" in diagnosis_page.read_text("utf-8")
+    free, restarted = rating_table(findings), rating_table(findings, restarted=True)
+    assert free is not None
+    assert restarted is not None
+    # a quarter of the error before rates no worse anywhere, and better somewhere
+    pairs = [
+        (float(a["before"]), float(b["before"]))
+        for (_, first), (_, second) in zip(free["rows"], restarted["rows"], strict=True)
+        for a, b in zip(first, second, strict=True)
+        if a is not None and b is not None
+    ]
+    assert all(b >= a for a, b in pairs)
+    assert any(b > a for a, b in pairs)
+    without = [replace(part, restarted_before=None, restarted_after=None) for part in findings.manoeuvres]
+    assert rating_table(replace(findings, manoeuvres=without), restarted=True) is None
+
+
 def test_the_page_stands_alone(diagnosis_page: Path) -> None:
     page = diagnosis_page.read_text("utf-8")
     assert "default-src 'none'" in page
@@ -65,7 +88,10 @@ def test_names_from_files_do_not_become_markup(findings: Findings) -> None:
 
 def test_a_page_without_causes_has_no_second_curve(findings: Findings) -> None:
     clean = Diagnosis(verdict="nothing_found", probability_of_nothing=0.97)
-    untouched = [replace(part, after=part.before, free_after=part.free_before) for part in findings.manoeuvres]
+    untouched = [
+        replace(part, after=part.before, free_after=part.free_before, restarted_after=part.restarted_before)
+        for part in findings.manoeuvres
+    ]
     page = page_of(replace(findings, diagnosis=clean, manoeuvres=untouched, evidence={}))
     assert "The vehicle file explains the data" in page
     assert "with what was found" not in texts(page.partition('<script id="data"')[0])

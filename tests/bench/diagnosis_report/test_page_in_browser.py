@@ -18,8 +18,8 @@ def test_page_is_drawn_without_complaint(
     assert page.console_messages() == []
     assert [url for url in page.requests() if not url.startswith(("file:", "data:"))] == []
     assert page.run("return document.documentElement.scrollWidth") <= width
-    # six signals: measured, before and after beside residuals before and after
-    assert page.run("return document.querySelectorAll('path.curve[data-series]').length") == 6 * 5
+    # six signals: measured, before, after and restarted beside residuals before and after
+    assert page.run("return document.querySelectorAll('path.curve[data-series]').length") == 6 * 6
     assert page.run("return document.querySelectorAll('.area').length") >= 6 * 2
     assert page.run("return document.querySelectorAll('.house .guilty').length") == 1
     assert page.run("return document.querySelectorAll('.maps svg').length") == 6 * 4
