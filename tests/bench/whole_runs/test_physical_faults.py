@@ -17,7 +17,7 @@ SCENARIOS = sorted(
     str(path.relative_to(ROOT / "scenarios").with_suffix(""))
     for group in ("faults", "regulation")
     for path in (ROOT / "scenarios" / group).glob("*.yaml")
-    if not path.name.startswith("can_")  # those of the bus have tests of their own
+    if not path.name.startswith(("can_", "e5_"))  # those of the bus have tests of their own
 )
 TABLE = {info.path: info for info in parameter_table(load_vehicle("ekf_car"))}
 # parameters with a neutral value that choose a model or describe a healthy part, and are no faults
