@@ -113,7 +113,7 @@ def _refined(shares: FloatArray, k: int) -> float:
 def _pairs(
     manoeuvres: Sequence[Manoeuvre], geometry: Geometry, channel: str, replayed: Sequence[Manoeuvre] | None
 ) -> list[_Pair]:
-    if replayed is not None:
+    if replayed is not None and not _drives_its_own_replay(manoeuvres, channel):
         both = [
             (m, r) for m, r in zip(manoeuvres, replayed, strict=True) if channel in m.channels and channel in r.channels
         ]
@@ -136,6 +136,12 @@ def _pairs(
         elif twin.kind.early == channel:
             found.append(_Pair(twin.right, twin.left, twin.valid, _SHORTEST_S[twin.kind.name], _SHARE_OF_TWIN))
     return found
+
+
+def _drives_its_own_replay(manoeuvres: Sequence[Manoeuvre], channel: str) -> bool:
+    """True where a replay takes the drive torque, which nobody measured, from this very channel and so follows it."""
+    driven = any(name.startswith(("drive_torque", "engine_torque")) for m in manoeuvres for name in m.channels)
+    return channel == "longitudinal_acceleration" and not driven
 
 
 def check_low_pass(

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.evidence.fitting import Linearisation, Problem
-from model_diagnosis.evidence.whitening import ORDER, _fit_signal
+from model_diagnosis.evidence.whitening import ORDER, fit_signal
 
 FloatArray = NDArray[np.float64]
 
@@ -83,7 +83,7 @@ def _equation_part(
     known = np.flatnonzero(np.isfinite(nothing) & np.isfinite(left))
     if len(known) < LEAST_SAMPLES:
         return None
-    white = _fit_signal(name, 0, known, left[known], 0.0)
+    white = fit_signal(name, 0, known, left[known], 0.0)
     shown = np.stack([white.apply(course) for course in errors.courses.get(name, [np.ones(len(nothing))])], axis=1)
     information = shown.T @ shown / temperature
     solvable = information + 1e-9 * np.trace(information) * np.eye(len(information))

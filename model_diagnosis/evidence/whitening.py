@@ -117,14 +117,15 @@ def fit_whitener(replay: ReplayModel, residuals: Sequence[FloatArray]) -> Whiten
     for known, values in zip(sensor_whitener(replay).filters, residuals, strict=True):
         filters.append(
             tuple(
-                _fit_signal(one.signal, one.column, one.samples, values[one.samples, one.column], one.sigma)
+                fit_signal(one.signal, one.column, one.samples, values[one.samples, one.column], one.sigma)
                 for one in known
             )
         )
     return Whitener(tuple(filters))
 
 
-def _fit_signal(signal: str, column: int, samples: IntArray, residual: FloatArray, own_std: float) -> SignalFilter:
+def fit_signal(signal: str, column: int, samples: IntArray, residual: FloatArray, own_std: float) -> SignalFilter:
+    """Filter of one signal from its residual (k,) at the valid samples, its sensor's noise ``own_std`` in its unit."""
     lags = np.stack([residual[ORDER - lag : -lag] for lag in range(1, ORDER + 1)], axis=1)
     gram = lags.T @ lags
     gram[np.diag_indices(ORDER)] += RIDGE * max(float(np.trace(gram)) / ORDER, 1e-300)

@@ -69,7 +69,7 @@ def disturbance_answers(replay: Replay, theta: FloatArray, m: int) -> dict[str, 
     -------
     equation of ``UNITS`` -> change of measured minus predicted per unit of the error's root mean square
     """
-    prepared, deviations = replay._prepared[m], replay._deviations(theta)
+    prepared, deviations = replay.prepared[m], replay.deviations_at(theta)
     found = _moved(replay, theta, m)
     if prepared.replays_pressures:
         found |= _pressure_answers(replay, deviations, prepared)
@@ -108,14 +108,14 @@ def _of_level_one(courses: list[tuple[int, FloatArray]], least: float) -> Iterat
 
 def _moved(replay: Replay, theta: FloatArray, m: int) -> dict[str, FloatArray]:
     """Answers to forces, torques and moments."""
-    prepared, deviations = replay._prepared[m], replay._deviations(theta)
-    cars = replay._car.record.copy()
+    prepared, deviations = replay.prepared[m], replay.deviations_at(theta)
+    cars = replay.car.record.copy()
     change_record(cars, deviations)
     derive(cars)
     tried = {"N": 0.005 * 9.81 * float(cars[0]["mass"]), "N m": 0.01 * float(np.sum(cars[0]["static_load"])) * 0.1}
-    pressures = replay._pressures(deviations, prepared)
-    inputs, corrected = replay._inputs(deviations, prepared, pressures), replay._corrected(deviations, prepared)
-    fixed = (replay._tables(deviations), inputs, corrected, prepared.valid, prepared.start, GAINS, SAMPLE_TIME_S)
+    pressures = replay.wheel_pressures(deviations, prepared)
+    inputs, corrected = replay.inputs_at(deviations, prepared, pressures), replay.corrected_at(deviations, prepared)
+    fixed = (replay.tables_at(deviations), inputs, corrected, prepared.valid, prepared.start, GAINS, SAMPLE_TIME_S)
 
     def run(place: int, disturbance: FloatArray) -> FloatArray:
         out = np.empty((prepared.manoeuvre.samples, len(prepared.chosen)))
@@ -142,10 +142,9 @@ def _pressure_answers(replay: Replay, deviations: Mapping[str, float], prepared:
     """
     assert prepared.hydraulics is not None
     valid = prepared.pressure_valid
-    measured = np.ascontiguousarray(replay._inputs(deviations, prepared, None)[:, :4])
+    measured = np.ascontiguousarray(replay.inputs_at(deviations, prepared, None)[:, :4])
     usual, shifted = (
-        replay._hydraulics.wheels(deviations, prepared.hydraulics, measured + shift, valid)
-        for shift in (0.0, _TRIED_PA)
+        replay.hydraulics.wheels(deviations, prepared.hydraulics, measured + shift, valid) for shift in (0.0, _TRIED_PA)
     )
     kept, samples = (shifted - usual) / _TRIED_PA, prepared.manoeuvre.samples
     found = {}
@@ -171,8 +170,8 @@ def _sensor_answers(replay: Replay, deviations: Mapping[str, float], prepared: P
 
     The signal is the predicted one: the measured one holds the noise that the residual consists of.
     """
-    pressures = replay._pressures(deviations, prepared)
-    predicted = replay._car_run(deviations, prepared, pressures, GAINS, 0, prepared.chosen)
+    pressures = replay.wheel_pressures(deviations, prepared)
+    predicted = replay.car_outputs(deviations, prepared, pressures, GAINS, 0, prepared.chosen)
     found = {}
     for name in (*_SENSORS, *_SCALED):
         if name not in prepared.signals:
@@ -189,7 +188,7 @@ def _sensor_answers(replay: Replay, deviations: Mapping[str, float], prepared: P
                 read = prepared.corrected.copy()
                 read[:, CORRECTED.index(name)] += size * shape
                 misled = replace(prepared, corrected=read)
-                moved = replay._car_run(deviations, misled, pressures, GAINS, 0, prepared.chosen)
+                moved = replay.car_outputs(deviations, misled, pressures, GAINS, 0, prepared.chosen)
                 answers[:, : len(prepared.chosen), k] -= (moved - predicted) / size
         found[f"sensor {name}"] = answers
     return found

@@ -5,7 +5,15 @@ from numba import njit
 from numpy.typing import NDArray
 
 from model_diagnosis.replay.record import OUTPUTS, Record
-from model_diagnosis.replay.run import SUBSTEPS, _correct, _read_inputs, _read_tables, _start, _step, _write_outputs
+from model_diagnosis.replay.run import (
+    SUBSTEPS,
+    correct_states,
+    move_car,
+    settle,
+    take_inputs,
+    take_tables,
+    write_outputs,
+)
 
 FORCE_X, SLOPE, FORCE_Y, BANK, YAW, WHEEL, PITCH, ROLL = 0, 1, 2, 3, 4, 5, 9, 10
 """Where a disturbance acts: forces on the body along and across the car [N], each as one that an accelerometer feels
@@ -63,16 +71,16 @@ def disturbed_run(
     """
     p, s = cars[0], memory[0]
     step, full = sample_time / SUBSTEPS, np.zeros(len(OUTPUTS))
-    _read_tables(s, tables)
-    _read_inputs(s, inputs[0], inputs[0], 0.0)
-    _start(p, s, start, step)
+    take_tables(s, tables)
+    take_inputs(s, inputs[0], inputs[0], 0.0)
+    settle(p, s, start, step)
     for k in range(inputs.shape[0]):
         if k > 0:
             for j in range(SUBSTEPS):
-                _read_inputs(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS)
-                _step(p, s, step)
+                take_inputs(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS)
+                move_car(p, s, step)
                 _disturb(p, s, place, disturbance[k], step)
-        _write_outputs(p, s, full)
+        write_outputs(p, s, full)
         for c in range(chosen.shape[0]):
             out[k, c] = full[chosen[c]]
-        _correct(p, s, full, measured[k], valid[k], gains)
+        correct_states(p, s, full, measured[k], valid[k], gains)

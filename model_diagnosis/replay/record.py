@@ -8,6 +8,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from signals.wheels import WHEELS
+
 Record: TypeAlias = Any
 """An element of an array of ``REPLAY_RECORD``, its fields as attributes in compiled code."""
 
@@ -204,3 +206,27 @@ OUTPUTS = (
     "yaw_acceleration",
 )
 """What the compiled run writes at each sample, catalogue units."""
+
+SHOWN_STATES = (
+    "speed",
+    "lateral_speed",
+    "pitch_angle",
+    "roll_angle",
+    "yaw_acceleration",
+    *(
+        f"{name}_{wheel}"
+        for name in (
+            "slip_ratio",
+            "slip_angle",
+            "brake_disc_temperature",
+            "brake_torque",
+            "drive_torque",
+            "road_wheel_angle",
+            "vertical_load",
+            "longitudinal_force",
+            "lateral_force",
+        )
+        for wheel in WHEELS
+    ),
+)
+"""States of the observer replay over which residuals are looked at."""

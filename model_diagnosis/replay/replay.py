@@ -26,7 +26,7 @@ from model_diagnosis.replay.inputs import SLOWEST_M_S, read_inputs, reference_sp
 from model_diagnosis.replay.nominal import NominalCar, nominal_car
 from model_diagnosis.replay.parameters import adjusted_parameter, nominal_value, values_of
 from model_diagnosis.replay.prepared import PRESSURES, Prepared, prepare
-from model_diagnosis.replay.record import OUTPUTS
+from model_diagnosis.replay.record import OUTPUTS, SHOWN_STATES
 from model_diagnosis.replay.sensors import own_noise
 from model_diagnosis.replay.sweep import replay_cars
 from model_diagnosis.replay.tyre_shape import shaped_tables
@@ -39,28 +39,6 @@ FloatArray = NDArray[np.float64]
 GAINS = np.array([0.3, 0.05, 0.1, 0.05])
 """Gains of the observer per 10 ms: wheel speeds, speed, yaw rate, and speed by the wheels where it is not measured."""
 
-_STATES = (
-    "speed",
-    "lateral_speed",
-    "pitch_angle",
-    "roll_angle",
-    "yaw_acceleration",
-    *(
-        f"{name}_{wheel}"
-        for name in (
-            "slip_ratio",
-            "slip_angle",
-            "brake_disc_temperature",
-            "brake_torque",
-            "drive_torque",
-            "road_wheel_angle",
-            "vertical_load",
-            "longitudinal_force",
-            "lateral_force",
-        )
-        for wheel in WHEELS
-    ),
-)
 _STEP_SHARE = 0.05
 """Step of a finite difference over the effect's width."""
 
@@ -98,6 +76,8 @@ class Replay:
     columns : (p) names ``<effect>.<parameter>``
     parameters : (p) of the columns, bounds and scatter as for this vehicle
     owner : (p,) index into ``effects``
+    prepared : what stays the same of each manoeuvre
+    car, hydraulics : the vehicle without deviations
 
     Raises
     ------
@@ -128,30 +108,30 @@ class Replay:
         )
         self._place = {column: index for index, column in enumerate(self.columns)}
         self._threads = threads or os.cpu_count() or 1
-        self._car: NominalCar = nominal_car(vehicle)
-        self._hydraulics = HydraulicReplay(vehicle)
-        self._prepared = [prepare(manoeuvre, vehicle) for manoeuvre in self.manoeuvres]
+        self.car: NominalCar = nominal_car(vehicle)
+        self.hydraulics = HydraulicReplay(vehicle)
+        self.prepared = [prepare(manoeuvre, vehicle) for manoeuvre in self.manoeuvres]
         by_steps = self._pressure_misfit()
-        self._hydraulics.flows = True
+        self.hydraulics.flows = True
         # which of the two the measured car has is a matter of form: the nearer one is taken, for all manoeuvres alike
-        self._hydraulics.flows = self._pressure_misfit() < by_steps
+        self.hydraulics.flows = self._pressure_misfit() < by_steps
 
     @property
     def tyre_error(self) -> tuple[float, float]:
         """Largest difference of the replay's tyre force from the vehicle's tyre over the load, front and rear."""
-        return self._car.tyre_error
+        return self.car.tyre_error
 
     def signals(self, m: int) -> tuple[str, ...]:
         """Compared signals of manoeuvre ``m``, the columns of its arrays."""
-        return self._prepared[m].signals
+        return self.prepared[m].signals
 
     def weights(self) -> list[FloatArray]:
         """Weights (n, c) of each manoeuvre: 0 where a sample is missing, below 4 m/s, or says nothing."""
-        return [prepared.weights for prepared in self._prepared]
+        return [prepared.weights for prepared in self.prepared]
 
     def measured(self, m: int) -> FloatArray:
         """Measured signals (n, c) of manoeuvre ``m``."""
-        return self._prepared[m].measured
+        return self.prepared[m].measured
 
     def moving(self, m: int) -> NDArray[np.bool_]:
         """True (n,) where manoeuvre ``m`` is driven at 4 m/s or more."""
@@ -159,8 +139,8 @@ class Replay:
 
     def car_at(self, theta: FloatArray) -> np.void:
         """Numbers of the car (``REPLAY_RECORD``) at deviations theta."""
-        cars = self._car.record.copy()
-        change_record(cars, self._deviations(theta))
+        cars = self.car.record.copy()
+        change_record(cars, self.deviations_at(theta))
         derive(cars)
         entry: np.void = cars[0]
         return entry
@@ -176,24 +156,24 @@ class Replay:
 
     def states(self, theta: FloatArray, m: int) -> dict[str, FloatArray]:
         """States of the observer replay over which residuals are looked at, name -> (n,): speed, slips, loads, …"""
-        prepared = self._prepared[m]
-        chosen = np.array([OUTPUTS.index(name) for name in _STATES])
-        deviations = self._deviations(theta)
-        pressures = self._pressures(deviations, prepared)
-        values = self._car_run(deviations, prepared, pressures, GAINS, 0, chosen)
-        return {name: values[:, k] for k, name in enumerate(_STATES)}
+        prepared = self.prepared[m]
+        chosen = np.array([OUTPUTS.index(name) for name in SHOWN_STATES])
+        deviations = self.deviations_at(theta)
+        pressures = self.wheel_pressures(deviations, prepared)
+        values = self.car_outputs(deviations, prepared, pressures, GAINS, 0, chosen)
+        return {name: values[:, k] for k, name in enumerate(SHOWN_STATES)}
 
     def residuals(self, theta: FloatArray) -> list[FloatArray]:
         """Measured minus predicted (n, c) of each manoeuvre, 0 where the weight is 0."""
 
         def of(m: int) -> FloatArray:
-            prepared = self._prepared[m]
+            prepared = self.prepared[m]
             return np.where(prepared.weights > 0.0, prepared.measured - self.predict(theta, m), 0.0)
 
-        if self._threads == 1 or len(self._prepared) == 1:
-            return [of(m) for m in range(len(self._prepared))]
+        if self._threads == 1 or len(self.prepared) == 1:
+            return [of(m) for m in range(len(self.prepared))]
         with ThreadPoolExecutor(self._threads) as pool:
-            return list(pool.map(of, range(len(self._prepared))))
+            return list(pool.map(of, range(len(self.prepared))))
 
     def sensitivities(self, theta: FloatArray, columns: Sequence[int] | None = None) -> list[FloatArray]:
         """Derivatives of the prediction by the deviations, (n, c, len(columns)) of each manoeuvre.
@@ -203,7 +183,7 @@ class Replay:
         chosen = list(range(len(self.columns))) if columns is None else [int(column) for column in columns]
         with ThreadPoolExecutor(self._threads) as pool:
             return [
-                self._sweep(np.asarray(theta, dtype=np.float64), prepared, chosen, pool) for prepared in self._prepared
+                self._sweep(np.asarray(theta, dtype=np.float64), prepared, chosen, pool) for prepared in self.prepared
             ]
 
     def sensor_std(self, signal: str) -> float:
@@ -230,7 +210,7 @@ class Replay:
         width; root of the sum of squares. Below about 3 the data says nothing."""
         total = np.zeros(len(self.columns))
         widths = np.array([parameter.effect_std for parameter in self.parameters])
-        for prepared, values in zip(self._prepared, self.sensitivities(np.zeros(len(self.columns))), strict=True):
+        for prepared, values in zip(self.prepared, self.sensitivities(np.zeros(len(self.columns))), strict=True):
             noise = np.array([self.sensor_std(signal) for signal in prepared.signals])
             shown = values / noise[None, :, None] * prepared.weights[:, :, None]
             total += np.einsum("ncp,ncp->p", shown, shown)
@@ -243,10 +223,11 @@ class Replay:
             return self._place[column]
         return int(column)
 
-    def _deviations(self, theta: FloatArray) -> dict[str, float]:
+    def deviations_at(self, theta: FloatArray) -> dict[str, float]:
+        """Deviations that are not 0, by column."""
         return {self.columns[int(k)]: float(theta[k]) for k in np.flatnonzero(theta)}
 
-    def _pressures(
+    def wheel_pressures(
         self, deviations: Mapping[str, float], prepared: Prepared, *, free: bool = False
     ) -> FloatArray | None:
         """True wheel pressures (n, 4) by the hydraulic unit; None where the log tells nothing of it."""
@@ -261,22 +242,24 @@ class Replay:
             measured = np.stack([reported[name] for name in PRESSURES], axis=1)
         gain = 0.0 if free else PRESSURE_GAIN
         noise = own_noise(self.vehicle, PRESSURES[0])
-        return self._hydraulics.wheels(deviations, log, measured, prepared.pressure_valid, gain, noise)
+        return self.hydraulics.wheels(deviations, log, measured, prepared.pressure_valid, gain, noise)
 
     def _pressure_misfit(self) -> float:
         """Sum of squares of what the hydraulic unit without deviations leaves of the wheels' pressures [Pa^2]."""
         total = 0.0
-        for prepared in self._prepared:
+        for prepared in self.prepared:
             if not prepared.replays_pressures:
                 continue
-            predicted = self._pressures({}, prepared)
+            predicted = self.wheel_pressures({}, prepared)
             assert predicted is not None
             places = [prepared.signals.index(name) for name in PRESSURES]
             left = prepared.weights[:, places] * (prepared.measured[:, places] - predicted)
             total += float(np.sum(left**2))
         return total
 
-    def _inputs(self, deviations: Mapping[str, float], prepared: Prepared, pressures: FloatArray | None) -> FloatArray:
+    def inputs_at(
+        self, deviations: Mapping[str, float], prepared: Prepared, pressures: FloatArray | None
+    ) -> FloatArray:
         """Inputs of the car: measured pressures freed of their sensors' effects, or those of the hydraulic unit."""
         manoeuvre = prepared.manoeuvre
         if prepared.pressure_known or pressures is None:
@@ -288,7 +271,7 @@ class Replay:
         channels |= {name: pressures[:, k] for k, name in enumerate(PRESSURES)}
         return read_inputs(manoeuvre, channels, self.vehicle).values
 
-    def _corrected(self, deviations: Mapping[str, float], prepared: Prepared) -> FloatArray:
+    def corrected_at(self, deviations: Mapping[str, float], prepared: Prepared) -> FloatArray:
         """Signals that the observer corrects on, freed of what the sensors' effects put on them."""
         offset = deviations.get("gyro_offset.yaw_rate", 0.0)
         scale = deviations.get("gyro_scale.yaw_rate", 0.0)
@@ -301,7 +284,7 @@ class Replay:
             values[:, :4] /= 1.0 + np.array(rings) * prepared.carriers
         return values
 
-    def _car_run(
+    def car_outputs(
         self,
         deviations: Mapping[str, float],
         prepared: Prepared,
@@ -311,22 +294,22 @@ class Replay:
         chosen: NDArray[np.int64],
     ) -> FloatArray:
         """Outputs of the car before the sensors, (n, len(chosen))."""
-        cars = self._car.record.copy()
+        cars = self.car.record.copy()
         change_record(cars, deviations)
         derive(cars)
-        inputs, corrected = self._inputs(deviations, prepared, pressures), self._corrected(deviations, prepared)
+        inputs, corrected = self.inputs_at(deviations, prepared, pressures), self.corrected_at(deviations, prepared)
         out = np.empty((1, prepared.manoeuvre.samples, len(chosen)))
-        fixed = (self._tables(deviations), inputs, corrected, prepared.valid, prepared.start)
+        fixed = (self.tables_at(deviations), inputs, corrected, prepared.valid, prepared.start)
         replay_cars(cars, 0, 1, *fixed, gains, horizon, SAMPLE_TIME_S, chosen, out)
         return out[0]
 
-    def _tables(self, deviations: Mapping[str, float]) -> FloatArray:
+    def tables_at(self, deviations: Mapping[str, float]) -> FloatArray:
         """Tables of the tyres, reshaped where a deviation asks for it."""
         loss = deviations.get("tyre_peak_shape.sliding_loss", 0.0)
         shift = deviations.get("tyre_peak_shape.peak_slip", 0.0)
         if loss == 0.0 and shift == 0.0:
-            return self._car.tables
-        return shaped_tables(self._car.tables, self._car.record[0]["peak_slip_x"][::2], loss, shift)
+            return self.car.tables
+        return shaped_tables(self.car.tables, self.car.record[0]["peak_slip_x"][::2], loss, shift)
 
     def _parts(
         self,
@@ -343,11 +326,11 @@ class Replay:
         if base is not None and base.pressure_key == pressure_key:
             pressures = base.pressures
         else:
-            pressures = self._pressures(deviations, prepared, free=gains is not GAINS)
+            pressures = self.wheel_pressures(deviations, prepared, free=gains is not GAINS)
         if base is not None and base.car_key == car_key:
             car = base.car
         else:
-            car = self._car_run(deviations, prepared, pressures, gains, horizon, prepared.chosen)
+            car = self.car_outputs(deviations, prepared, pressures, gains, horizon, prepared.chosen)
         return _Parts(car_key, car, pressure_key, pressures)
 
     def _reported(self, deviations: Mapping[str, float], prepared: Prepared, parts: _Parts) -> FloatArray:
@@ -358,11 +341,11 @@ class Replay:
         if prepared.replays_pressures and parts.pressures is not None:
             columns.append(reported_pressure(deviations, parts.pressures))
         if prepared.replays_master and prepared.hydraulics is not None:
-            columns.append(self._hydraulics.master(deviations, prepared.hydraulics)[:, None])
+            columns.append(self.hydraulics.master(deviations, prepared.hydraulics)[:, None])
         return np.concatenate(columns, axis=1)
 
     def _run(self, theta: FloatArray, m: int, gains: FloatArray, horizon: int) -> FloatArray:
-        prepared, deviations = self._prepared[m], self._deviations(theta)
+        prepared, deviations = self.prepared[m], self.deviations_at(theta)
         return self._reported(deviations, prepared, self._parts(deviations, prepared, gains, horizon))
 
     def _step_of(self, theta: FloatArray, column: int) -> float:
@@ -374,7 +357,7 @@ class Replay:
         self, theta: FloatArray, prepared: Prepared, columns: Sequence[int], pool: ThreadPoolExecutor
     ) -> FloatArray:
         """Derivatives (n, c, len(columns)) of one manoeuvre."""
-        deviations = self._deviations(theta)
+        deviations = self.deviations_at(theta)
         base = self._parts(deviations, prepared)
         reported, count = self._reported(deviations, prepared, base), len(prepared.chosen)
         analytic = sensor_columns(deviations, prepared.signals[:count], base.car, prepared.carriers)

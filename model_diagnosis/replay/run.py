@@ -32,7 +32,7 @@ _SPEED, _YAW_RATE, _ROLL_RATE = OUTPUTS.index("speed"), OUTPUTS.index("yaw_rate"
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _step(p: Record, s: Record, step: float) -> None:
+def move_car(p: Record, s: Record, step: float) -> None:
     move_body(p, s, step)
     steer_wheels(p, s, step)
     for i in range(4):
@@ -43,7 +43,7 @@ def _step(p: Record, s: Record, step: float) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _read_tables(s: Record, tables: NDArray[np.float64]) -> None:
+def take_tables(s: Record, tables: NDArray[np.float64]) -> None:
     for axle in range(2):
         for direction in range(2):
             for k in range(CELLS + 1):
@@ -52,7 +52,7 @@ def _read_tables(s: Record, tables: NDArray[np.float64]) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _read_inputs(s: Record, before: NDArray[np.float64], after: NDArray[np.float64], share: float) -> None:
+def take_inputs(s: Record, before: NDArray[np.float64], after: NDArray[np.float64], share: float) -> None:
     """Inputs of a step between two samples."""
     for i in range(4):
         s.pressure[i] = before[i] + share * (after[i] - before[i])
@@ -64,7 +64,7 @@ def _read_inputs(s: Record, before: NDArray[np.float64], after: NDArray[np.float
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _write_outputs(p: Record, s: Record, out: NDArray[np.float64]) -> None:
+def write_outputs(p: Record, s: Record, out: NDArray[np.float64]) -> None:
     """All outputs (``OUTPUTS``) at this instant; sensors of wheel speeds, speed and yaw rate lag by a constant time."""
     for i in range(4):
         out[i] = s.spin[i] - p.wheel_speed_lag * s.spin_rate[i]
@@ -84,7 +84,7 @@ def _write_outputs(p: Record, s: Record, out: NDArray[np.float64]) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _correct(
+def correct_states(
     p: Record,
     s: Record,
     full: NDArray[np.float64],
@@ -107,7 +107,7 @@ def _correct(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _start(p: Record, s: Record, start: NDArray[np.float64], step: float) -> None:
+def settle(p: Record, s: Record, start: NDArray[np.float64], step: float) -> None:
     """Settle at the first sample's inputs, speed and yaw rate."""
     for i in range(4):
         s.spin[i] = start[0] / p.radius[i]
@@ -115,7 +115,7 @@ def _start(p: Record, s: Record, start: NDArray[np.float64], step: float) -> Non
         s.angle[i], s.sine[i], s.cosine[i] = p.toe[i], np.sin(p.toe[i]), np.cos(p.toe[i])
     for _ in range(PRE_ROLL_SAMPLES * SUBSTEPS):
         s.speed, s.yaw_rate = start[0], start[1]
-        _step(p, s, step)
+        move_car(p, s, step)
     s.speed, s.yaw_rate = start[0], start[1]
     s.distance = s.stop_energy = 0.0
     for i in range(4):
@@ -157,21 +157,21 @@ def replay_run(
     out : (n, c) predictions before each sample's correction
     """
     p, s = cars[car], memory[0]
-    _read_tables(s, tables)
+    take_tables(s, tables)
     step = sample_time / SUBSTEPS
     full, restart = np.zeros(_OUTPUTS), np.ones(4)
-    _read_inputs(s, inputs[0], inputs[0], 0.0)
-    _start(p, s, start, step)
+    take_inputs(s, inputs[0], inputs[0], 0.0)
+    settle(p, s, start, step)
     for k in range(inputs.shape[0]):
         if k > 0:
             for j in range(SUBSTEPS):
-                _read_inputs(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS)
-                _step(p, s, step)
-        _write_outputs(p, s, full)
+                take_inputs(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS)
+                move_car(p, s, step)
+        write_outputs(p, s, full)
         for c in range(chosen.shape[0]):
             out[k, c] = full[chosen[c]]
         if horizon > 0:
             if k % horizon == 0:
-                _correct(p, s, full, measured[k], valid[k], restart)
+                correct_states(p, s, full, measured[k], valid[k], restart)
         else:
-            _correct(p, s, full, measured[k], valid[k], gains)
+            correct_states(p, s, full, measured[k], valid[k], gains)
