@@ -13,6 +13,7 @@ from model_diagnosis.data.lags import find_lag
 from model_diagnosis.data.samples import BoolArray, FloatArray
 from model_diagnosis.data.twins import Twin, members, slow, twins_of
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from model_diagnosis.replay.smoothing import noise_of
 from model_diagnosis.result import DataFault
 from signals.wheels import WHEELS
 
@@ -78,6 +79,8 @@ def _relation(twin: Twin) -> Relation | None:
         if middle == 0.0 or spread > 0.3 * abs(middle):
             return None
         return Relation(twin.kind.exponents, float(np.log(abs(middle))), int(np.sign(middle)), twin.kind.log_tolerance)
+    if "steering" in twin.kind.exponents and not _turns(twin):
+        return None
     lag = find_lag(twin.left, twin.right, twin.valid, widest_lag_s=0.3)
     if abs(lag.correlation) < CORRELATED:
         lag = find_lag(twin.left, twin.right, twin.valid)
@@ -88,6 +91,17 @@ def _relation(twin: Twin) -> Relation | None:
         return None
     return Relation(
         twin.kind.exponents, float(np.log(ratio_of_changes)), int(np.sign(lag.correlation)), twin.kind.log_tolerance
+    )
+
+
+def _turns(twin: Twin) -> bool:
+    """True where both sides change by more than their noise: straight on, a chance correlation is as good as any."""
+    return all(
+        any(
+            v.sum() > 30 and float(np.std(slow(side)[v])) > noise_of(side)
+            for side, v in zip(sides, twin.valid, strict=True)
+        )
+        for sides in (twin.left, twin.right)
     )
 
 
