@@ -9,14 +9,14 @@ import math
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from state_runs import ALL_NOISE, NOISE, SEEDS, TUNING_SEEDS, WHEELS, Drive, Replay, drive, rmse_percent
+from state_runs import ALL_NOISE, NOISE, SEEDS, TUNING_SEEDS, WHEELS, Drive, Replay, drive, forget_drives, rmse_percent
 
 from vehicle_model.reference.planar_stops import abs_study, mean_percentages
 
@@ -26,6 +26,14 @@ SLALOMS = {
     "ice": {"a_y": 16.4, "yaw_rate": 5.1, "front": 15.6, "rear": 18.0},
 }
 LAUNCHES = {"ice": (0.95, 14.1), "icy_snow": (2.1, 9.3), "dry_asphalt": (5.1, 11.8)}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _runs_are_dropped() -> Iterator[None]:
+    yield
+    slalom.cache_clear()
+    launch.cache_clear()
+    forget_drives()
 
 
 @cache

@@ -1,11 +1,17 @@
 """Road grade of the state document (V-48 to V-53) on the shipped hills, from signals with the document's noise."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
-from state_runs import ALL_NOISE, SEEDS, WHEELS, Drive, Replay, drive
+from state_runs import ALL_NOISE, SEEDS, WHEELS, Drive, Replay, drive, forget_drives
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _drives_are_dropped() -> Iterator[None]:
+    yield
+    forget_drives()
 
 
 def section(run: Drive, found: Replay) -> tuple[float, float]:
