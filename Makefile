@@ -32,6 +32,7 @@ benchmark: $(STAMP)
 	$(BIN)/python -m benchmarks.smoke
 
 nightly: $(STAMP)
+	$(BIN)/pytest -m nightly $(PYTEST_OPTIONS)
 	$(BIN)/python -m benchmarks.can_escapes
 
 clean:

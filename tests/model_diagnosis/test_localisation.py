@@ -24,9 +24,9 @@ SIX = ("abs_stop", "accelerate_and_brake", "brake_in_turn", "coast", "gentle_sto
     ("seed", "hidden", "guilty"),
     [
         (101, ("wheel_brake_weak", -0.25, 2), "wheel torque rl"),
-        (102, ("road_grade", 0.02, 0), "longitudinal force"),
-        (103, ("gyro_offset", 0.008, 0), "sensor yaw_rate"),
-        (104, None, None),
+        pytest.param(102, ("road_grade", 0.02, 0), "longitudinal force", marks=pytest.mark.nightly),
+        pytest.param(103, ("gyro_offset", 0.008, 0), "sensor yaw_rate", marks=pytest.mark.nightly),
+        pytest.param(104, None, None, marks=pytest.mark.nightly),
     ],
     ids=["brake of one wheel", "grade", "offset of the gyroscope", "clean"],
 )

@@ -15,6 +15,8 @@ import pytest
 from bench.diagnosis.diagnosing import Found, find, write
 from model_diagnosis.result import Diagnosis
 
+pytestmark = pytest.mark.nightly
+
 ROOT = Path(__file__).parents[3]
 SHARED = Path(os.environ.get("BENCH_SHARED_DATA", ROOT.parent / "shared" / "data"))
 SHIPPED = ROOT / "scenarios" / "diagnosis"
