@@ -38,7 +38,7 @@ def test_the_page_is_beside_the_answer(folder: Path) -> None:
 
 
 @pytest.mark.xfail(
-    reason="since pressures drive the replay without noise, the scale of their sensors comes out over three scatters off",
+    reason="since pressures drive the replay without noise, the scale of their sensors comes out three scatters off",
     strict=False,
 )
 def test_a_car_fitted_to_a_healthy_drive_is_that_car(healthy_drive: Path, tmp_path: Path) -> None:
