@@ -191,7 +191,7 @@ _OUTPUT_WHEELS = (
     "road_wheel_angle",
 )
 OUTPUTS = (
-    *(f"{name}_{wheel}" for name in _OUTPUT_WHEELS for wheel in ("fl", "fr", "rl", "rr")),
+    *(f"{name}_{wheel}" for name in _OUTPUT_WHEELS for wheel in WHEELS),
     "speed",
     "lateral_speed",
     "yaw_rate",
@@ -207,26 +207,13 @@ OUTPUTS = (
 )
 """What the compiled run writes at each sample, catalogue units."""
 
+_NOT_SHOWN = ("wheel_speed", "suspension_travel")
 SHOWN_STATES = (
     "speed",
     "lateral_speed",
     "pitch_angle",
     "roll_angle",
     "yaw_acceleration",
-    *(
-        f"{name}_{wheel}"
-        for name in (
-            "slip_ratio",
-            "slip_angle",
-            "brake_disc_temperature",
-            "brake_torque",
-            "drive_torque",
-            "road_wheel_angle",
-            "vertical_load",
-            "longitudinal_force",
-            "lateral_force",
-        )
-        for wheel in WHEELS
-    ),
+    *(f"{name}_{wheel}" for name in _OUTPUT_WHEELS if name not in _NOT_SHOWN for wheel in WHEELS),
 )
 """States of the observer replay over which residuals are looked at."""

@@ -2,6 +2,7 @@
 
 import random
 
+import fault_tester
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,13 +14,8 @@ START = 4
 
 
 def stream(frame: Frame, acknowledged: bool = False, **changed: int) -> list[int]:
-    names = list(frame.bit_names())
-    bits = [int(bit) for bit in frame.bits()]
-    bits[names.index("ack_slot.0")] = 0 if acknowledged else 1
-    for name, level in changed.items():
-        field, _, number = name.rpartition("_")
-        bits[names.index(f"{field}.{number}")] = level
-    return bits
+    """Levels as a sender alone on its wire drives them."""
+    return fault_tester.levels(frame, acknowledged, **changed)
 
 
 def restuffed(frame: Frame, name: str, level: int) -> list[int]:
