@@ -13,21 +13,22 @@ from numpy.typing import NDArray
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S
 from model_diagnosis.replay.derived import derive
 from model_diagnosis.replay.deviations import change_record
-from model_diagnosis.replay.disturbed_run import (
+from model_diagnosis.replay.disturb_step import (
     BANK,
     FORCE_X,
     FORCE_Y,
+    NOWHERE,
     PITCH,
     ROLL,
     SLOPE,
     WHEEL,
     YAW,
-    disturbed_run,
 )
 from model_diagnosis.replay.hydraulic import GAIN as PRESSURE_GAIN
 from model_diagnosis.replay.prepared import PRESSURES, Prepared
 from model_diagnosis.replay.record import CORRECTED
 from model_diagnosis.replay.replay import GAINS, Replay
+from model_diagnosis.replay.run import replay_run
 from model_diagnosis.replay.state import STATE_RECORD
 from signals.wheels import WHEELS
 
@@ -115,14 +116,14 @@ def _moved(replay: Replay, theta: FloatArray, m: int) -> dict[str, FloatArray]:
     tried = {"N": 0.005 * 9.81 * float(cars[0]["mass"]), "N m": 0.01 * float(np.sum(cars[0]["static_load"])) * 0.1}
     pressures = replay.wheel_pressures(deviations, prepared)
     inputs, corrected = replay.inputs_at(deviations, prepared, pressures), replay.corrected_at(deviations, prepared)
-    fixed = (replay.tables_at(deviations), inputs, corrected, prepared.valid, prepared.start, GAINS, SAMPLE_TIME_S)
+    fixed = (replay.tables_at(deviations), inputs, corrected, prepared.valid, prepared.start, GAINS, 0, SAMPLE_TIME_S)
 
     def run(place: int, disturbance: FloatArray) -> FloatArray:
         out = np.empty((prepared.manoeuvre.samples, len(prepared.chosen)))
-        disturbed_run(cars, np.zeros(1, STATE_RECORD), *fixed, prepared.chosen, place, disturbance, out)
+        replay_run(cars, 0, np.zeros(1, STATE_RECORD), *fixed, prepared.chosen, place, disturbance, out)
         return out
 
-    usual = run(0, np.zeros(prepared.manoeuvre.samples))
+    usual = run(NOWHERE, np.zeros(0))
     found = {}
     for name, courses in equation_forces(replay, theta, m).items():
         if not courses:

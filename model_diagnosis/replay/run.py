@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from model_diagnosis.replay.brake_step import count_stop_energy
 from model_diagnosis.replay.chassis_step import move_body, move_in_plane
+from model_diagnosis.replay.disturb_step import NOWHERE, disturb
 from model_diagnosis.replay.record import (
     CELLS,
     INPUT_BANK,
@@ -138,6 +139,8 @@ def replay_run(
     horizon: int,
     sample_time: float,
     chosen: NDArray[np.int64],
+    place: int,
+    disturbance: NDArray[np.float64],
     out: NDArray[np.float64],
 ) -> None:
     """Replay one manoeuvre with one car.
@@ -154,6 +157,8 @@ def replay_run(
     horizon : samples after which a free run restarts at the measured speeds; 0 never
     sample_time : s
     chosen : (c,) outputs to keep
+    place : where a disturbance acts (``disturb_step``), or ``NOWHERE``
+    disturbance : (n,) N or N m, each in the step to its sample
     out : (n, c) predictions before each sample's correction
     """
     p, s = cars[car], memory[0]
@@ -167,6 +172,8 @@ def replay_run(
             for j in range(SUBSTEPS):
                 take_inputs(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS)
                 move_car(p, s, step)
+                if place != NOWHERE:
+                    disturb(p, s, place, disturbance[k], step)
         write_outputs(p, s, full)
         for c in range(chosen.shape[0]):
             out[k, c] = full[chosen[c]]

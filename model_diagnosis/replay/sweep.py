@@ -4,6 +4,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from model_diagnosis.replay.disturb_step import NOWHERE
 from model_diagnosis.replay.run import replay_run
 from model_diagnosis.replay.state import STATE_RECORD
 
@@ -25,8 +26,8 @@ def replay_cars(
     out: NDArray[np.float64],
 ) -> None:
     """Cars ``first`` to ``last`` (exclusive) into ``out`` (cars, n, c); other arguments as in ``replay_run``."""
+    quiet = np.zeros(0)
     for car in range(first, last):
         memory = np.zeros(1, STATE_RECORD)
-        replay_run(
-            cars, car, memory, tables, inputs, measured, valid, start, gains, horizon, sample_time, chosen, out[car]
-        )
+        fixed = tables, inputs, measured, valid, start, gains, horizon, sample_time, chosen
+        replay_run(cars, car, memory, *fixed, NOWHERE, quiet, out[car])
