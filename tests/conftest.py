@@ -6,8 +6,9 @@ The fixture ``witnessed`` puts a line into the summary of the run: what an indep
 """
 
 import csv
+import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,15 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     for mark in item.iter_markers("acceptance"):
         for identifier in mark.args:
             item.user_properties.append((_PROPERTY, {"id": identifier}))
+
+
+@pytest.fixture(autouse=True)
+def _signals_left_alone() -> Iterator[None]:
+    """A signal that a test leaves ignored is ignored by every process that later tests start."""
+    numbers = signal.SIGINT, signal.SIGTERM
+    before = [signal.getsignal(number) for number in numbers]
+    yield
+    assert [signal.getsignal(number) for number in numbers] == before
 
 
 @pytest.fixture

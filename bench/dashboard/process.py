@@ -2,7 +2,6 @@
 
 import argparse
 import os
-import signal
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -62,8 +61,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("ring", type=Path, help="file of the run's ring")
     parser.add_argument("--parent", type=int, default=os.getppid(), help="process that owns the run")
     options = parser.parse_args(arguments)
-    # Ctrl-C reaches every process of the terminal; the run decides when it ends, and closes the ring
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         follow(options.ring, sys.stdout, lambda: os.getppid() == options.parent)
     except InputError as error:

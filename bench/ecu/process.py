@@ -74,12 +74,14 @@ def run_in_real_time(node: "EcuNode", link: "Link", ended: Callable[[], int]) ->
         ahead = start + tick * TICK_S - time.perf_counter()
         if ahead > 0:
             time.sleep(ahead)
+        # after a stall time goes on from now: an ECU does not make up for tasks that it missed, and frames that waited
+        # meanwhile are as new as the tick that takes them in
+        tick = max(tick, int((time.perf_counter() - start) / TICK_S))
         count = link.receive(received)
         sent = node.tick(tick, received, count, answers)
         if sent:
             link.send(answers, sent)
-        # after a stall time goes on from now: an ECU does not make up for tasks that it missed
-        tick = max(tick + 1, int((time.perf_counter() - start) / TICK_S))
+        tick += 1
 
 
 def serve(

@@ -5,6 +5,7 @@ command it tells what it did when Ctrl-C ends it.
 """
 
 import json
+import signal
 import subprocess
 import sys
 import time
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 import bench
 from bench.codec.codec import Codec
 from bench.ecu.node import EcuNode
+from bench.ecu.process import run_in_real_time
 from bench.links.barrier import BarrierServer
 from bench.links.frame import BENCH, ECU, TRANSMITTED, new_frames, payload
 from bench.links.registry import open_link
@@ -82,6 +84,37 @@ def test_the_process_from_the_file_of_frames(recorded: Path, tmp_path: Path) -> 
     again = valve_payloads(np.concatenate(answers))
     assert len(then) > 300
     assert again[: len(then)] == then
+
+
+STALL_FROM_TICK, STALL_S, PERIOD_TICKS = 1000, 0.06, 5
+"""Twelve periods of the wheel-speed frames; five without a frame are a fault."""
+
+
+def test_a_stall_of_the_process_is_no_missing_frame(recorded: Path) -> None:
+    """The frames that waited in the socket meanwhile came in time."""
+    recording = Recording.open(recorded)
+    frames = recording.frames[(recording.frames["flags"] & TRANSMITTED) != 0].copy()
+    frames["flags"] &= 255 - TRANSMITTED
+    node, began, sent, stalled = EcuNode("sensitive", Codec.load()), time.perf_counter(), 0, False
+    with open_link("udp_loopback", role="bench") as link, open_link(link.text, role="ecu") as at_ecu:
+
+        def send_what_is_due() -> int:
+            """Bench and ECU share this thread: what the machine takes from one it takes from the other."""
+            nonlocal sent, stalled
+            tick = int((time.perf_counter() - began) * 1e3)
+            if tick >= STALL_FROM_TICK and not stalled:
+                time.sleep(STALL_S)
+                tick, stalled = tick + round(STALL_S * 1e3), True
+            elif stalled and tick < STALL_FROM_TICK + STALL_S * 1e3 + PERIOD_TICKS:
+                return 0  # the frames that waited are the newest ones until their next period
+            due = int(np.searchsorted(frames["tick"], tick, side="right"))
+            link.send(frames[sent:due], due - sent)
+            sent = due
+            return signal.SIGTERM if tick > STALL_FROM_TICK + 500 else 0
+
+        run_in_real_time(node, at_ecu, send_what_is_due)
+    assert stalled
+    assert node.statistics()["fault_codes"] == []
 
 
 def test_the_command_tells_its_counts_at_the_end(bench_command: Callable[..., Any]) -> None:
