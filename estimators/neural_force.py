@@ -25,8 +25,8 @@ YAW_RATE, LATERAL_SPEED, SPEED, ANGLE = range(4)
 _ACTIVE, _RESETS, _VERDICT, _CONFIDENCE, _SETTLED = range(5)
 _STEP, _GAIN_YAW, _GAIN_LATERAL, _GAIN_SPEED, _GAIN_ANGLE = range(5)
 _LEARN_FRONT, _LEARN_REAR, _FORGET_FRONT, _FORGET_REAR, _WIDTH = range(5, 10)
-_NORMALISED, _INTEGRAL, _NO_SQUARE, _DOUBLE_COUNT, _WANDERING, _SLOWEST_POLE = range(10, 16)
-_TUNING_SIZE = 16
+_NORMALISED, _INTEGRAL, _NO_SQUARE, _DOUBLE_COUNT, _WANDERING, _SLOWEST_POLE, _STATE_ERROR = range(10, 17)
+_TUNING_SIZE = 17
 
 # scales of the networks' inputs (3.4)
 _YAW_SCALE, _LATERAL_SCALE, _SPEED_SCALE, _ANGLE_SCALE = 0.5, 1.0, 25.0, 1.0
@@ -98,6 +98,7 @@ def _observe(
     car: Any,
     tuning: FloatArray,
     guard: FloatArray,
+    told: FloatArray,
 ) -> None:
     """One explicit Euler step of both observers (3.6)."""
     h = tuning[_STEP]
@@ -123,7 +124,11 @@ def _observe(
     steering = (command - x[ANGLE]) / car.time_constant + tuning[_GAIN_ANGLE] * error_angle
     if tuning[_DOUBLE_COUNT] > 0.0:
         steering -= angle / car.time_constant
-    _learn(networks[0], active[0], tuning[_LEARN_FRONT] * angle * error_yaw, tuning[_FORGET_FRONT], h)
+    # F e of the printed update (3): the error of the lateral speed counts too
+    wrong = error_yaw
+    if tuning[_STATE_ERROR] > 0.0:
+        wrong += tuning[_STATE_ERROR] * (told[0] - x[LATERAL_SPEED])
+    _learn(networks[0], active[0], tuning[_LEARN_FRONT] * angle * wrong, tuning[_FORGET_FRONT], h)
     _learn(networks[1], active[1], tuning[_LEARN_REAR] * error_speed, tuning[_FORGET_REAR], h)
     x[YAW_RATE] += h * yaw_rate
     x[LATERAL_SPEED] += h * lateral
@@ -169,6 +174,7 @@ def _tick(
     active: tuple[FloatArray, FloatArray],
     car_rows: Any,
     tuning: FloatArray,
+    told: FloatArray,
     guard: FloatArray,
     positions: IntArray,
     inputs: FloatArray,
@@ -179,7 +185,8 @@ def _tick(
     status[_VERDICT] = accept_inputs(guard, positions, inputs, ages, tuning[_STEP])
     # a wheel that has not shown its second edge yet reads zero: to begin there would peak in the rear force
     least = car.slowest * (STAYS_AWAKE if status[_ACTIVE] > 0.0 else 1.0)
-    if status[_VERDICT] == INPUTS_LOST or _mean_rim_speed(car, guard) < least:
+    untold = tuning[_STATE_ERROR] > 0.0 and math.isnan(told[0])
+    if status[_VERDICT] == INPUTS_LOST or untold or _mean_rim_speed(car, guard) < least:
         if status[_ACTIVE] > 0.0:
             status[_RESETS] += 1.0
         x[:] = 0.0
@@ -194,7 +201,7 @@ def _tick(
         # the step below ends at the next tick: these are the states at the time of this measurement
         out[_OUT_LATERAL], out[_OUT_SPEED] = x[LATERAL_SPEED], x[SPEED]
         out[_OUT_YAW], out[_OUT_ANGLE] = x[YAW_RATE], x[ANGLE]
-        _observe(x, status, networks, grids, active, car, tuning, guard)
+        _observe(x, status, networks, grids, active, car, tuning, guard, told)
         if not (all_finite(x) and all_finite(networks[0]) and all_finite(networks[1])):
             status[_RESETS] += 1.0
             _begin(x, networks, car, guard)
@@ -216,6 +223,9 @@ class NeuralForceObserver(Estimator):
         Yaw rate [rad/s], lateral speed [m/s], longitudinal speed [m/s], road-wheel angle [rad]; a view.
     weights : tuple of arrays
         Output weights of both networks [N]; views.
+    told_lateral_speed : array, shape (1,)
+        Where a demonstration of the printed update (``printed_update``) writes the true lateral speed [m/s]; nothing on
+        the bus measures it, and until it is told that observer rests.
     """
 
     def __init__(
@@ -226,20 +236,21 @@ class NeuralForceObserver(Estimator):
         grids = network_centres(settings)
         self.state = np.zeros(4)
         self.weights = np.zeros(len(grids[0])), np.zeros(len(grids[1]))
+        self.told_lateral_speed = np.full(1, np.nan)
         self._status = np.zeros(5)
         active = np.zeros(len(grids[0])), np.zeros(len(grids[1]))
         tuning = _tuning(settings, float(car[0]["time_constant"]), sample_time_s)
         names = neural_force_inputs(settings)
         self._guard, positions = input_guard(names, settings.input_timeout)
         super().__init__("neural_force_observer", names, sample_time_s)
-        self.tick = partial(
-            _tick, self.state, self._status, self.weights, grids, active, car, tuning, self._guard, positions
-        )
+        networks = self.state, self._status, self.weights, grids, active
+        self.tick = partial(_tick, *networks, car, tuning, self.told_lateral_speed, self._guard, positions)
 
     def reset(self) -> None:
         """Return to the state of a new observer."""
         self.state[:] = 0.0
         self._status[:] = 0.0
+        self.told_lateral_speed[:] = np.nan
         for weights in self.weights:
             weights[:] = 0.0
         forget_inputs(self._guard)
@@ -255,5 +266,6 @@ def _tuning(settings: NeuralForceSettings, time_constant: float, sample_time_s: 
     values[_WIDTH], values[_NORMALISED] = settings.width, settings.normalised
     values[_INTEGRAL], values[_NO_SQUARE] = settings.network == "integral", settings.printed_exponent
     values[_DOUBLE_COUNT], values[_WANDERING] = settings.printed_double_count, settings.force_time_constant
+    values[_STATE_ERROR] = settings.printed_update
     values[_SLOWEST_POLE] = min(-pole for pole in settings.poles_yaw)
     return values

@@ -66,6 +66,16 @@ class NeuralForceSettings(FileModel):
     )
     printed_rear_sign: bool = Field(default=False, description="force pushes the rear along its slip, as printed (13)")
     printed_double_count: bool = Field(default=False, description="actuator lag counted twice, as printed (22)")
+    printed_update: float = parameter(
+        "rad/m",
+        0.0,
+        low=0.0,
+        high=10.0,
+        neutral=0.0,
+        description="weight of the lateral speed's error beside the yaw rate's in learning the front force, as printed "
+        "(3), where F e has the whole state error; above 0 the observer rests until a demonstration tells it the true "
+        "lateral speed, which nothing on the bus measures",
+    )
     printed_exponent: bool = Field(default=False, description="exponent without square, as printed (l. 159)")
     input_timeout: float = parameter(
         "s", 0.1, low=0.002, high=5.0, description="time without a good sample after which an input is lost"
