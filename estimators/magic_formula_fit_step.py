@@ -5,12 +5,15 @@ from typing import Any
 from numba import njit
 
 from estimators.kalman.covariance import FloatArray
-from estimators.magic_formula_fit_solver import deviation, fit_curve, line_deviation, r_squared
+from estimators.magic_formula_fit_solver import best_limit, deviation, fit_curve, line_deviation, r_squared
 from estimators.vehicle_state_record import BUFFER, CURVED, LINEAR, LOG_ROWS
 
 _GROWTH = 1.02
 """Slip by which the data have to grow before a fit that was refused is tried again."""
 _TOLERANCE = 0.95
+_STIFFNESS_STEP = 1.05
+_LEARNING = 0.3
+"""Part of a new fit in the stiffness that the earlier fits of a wheel told, as a mean of 1 / B."""
 
 
 @njit(cache=True)
@@ -18,7 +21,8 @@ def forget_curve(curve: Any, t: Any, direction: int) -> None:
     """A curve of which nothing is known."""
     curve.mode, curve.count, curve.sign, curve.stride, curve.skipped = LINEAR, 0, 0.0, 1, 0
     curve.b, curve.d = t.initial_b, 0.0
-    curve.threshold = t.start_threshold[direction]
+    curve.threshold = curve.start = t.start_threshold[direction]
+    curve.known_b, curve.now, curve.early = 0.0, 0.0, 0
     curve.next_try, curve.pending, curve.handed_over = 0.0, 0, 0
     curve.attained, curve.objective, curve.r_squared, curve.share, curve.points = 0.0, 0.0, 0.0, 0.0, 0
 
@@ -40,6 +44,56 @@ def _store(curve: Any, x_row: FloatArray, mu_row: FloatArray, x: float, mu: floa
 
 
 @njit(cache=True)
+def _explains(x_row: FloatArray, mu_row: FloatArray, count: int, b: float, allowed: float, scratch: FloatArray,
+              t: Any) -> bool:  # fmt: skip
+    """Whether a curve of stiffness ``b`` leaves no more than the deviation ``allowed``."""
+    return best_limit(x_row, mu_row, count, b, t.curve_c, t.low_d, t.high_d, scratch)[1] <= allowed
+
+
+@njit(cache=True)
+def _wanted_reach(b: float, direction: int, t: Any) -> float:
+    """Slip that the data of a curve have to reach, threshold_times_b / B within its bounds."""
+    wanted = t.threshold_times_b[direction] / b
+    return min(max(wanted, t.low_threshold[direction]), t.high_threshold[direction])
+
+
+@njit(cache=True)
+def _peak_may_be_near(curve: Any, x_row: FloatArray, mu_row: FloatArray, count: int, objective: float, x: float,
+                      direction: int, scratch: FloatArray, t: Any) -> bool:  # fmt: skip
+    """Whether waiting for more data has to end although the best curve asks for more.
+
+    It has, where the data reach what the wheel's earlier curves ask for, and a curve whose peak is near explains them
+    nearly as well as the best one.
+    """
+    if curve.known_b <= 0.0 or x < _TOLERANCE * _wanted_reach(curve.known_b, direction, t):
+        return False
+    b = t.doubtful_times_b[direction] / max(curve.now, x)
+    return _explains(x_row, mu_row, count, b, (1.0 + t.doubt[direction]) * objective, scratch, t)
+
+
+@njit(cache=True)
+def _stiffest(x_row: FloatArray, mu_row: FloatArray, count: int, b: float, objective: float, direction: int,
+              scratch: FloatArray, t: Any) -> float:  # fmt: skip
+    """Stiffest curve that explains the data hardly worse than the best one: noise may have hidden its bend."""
+    allowed = (1.0 + t.start_doubt) * objective
+    while b < t.high_b[direction] and _explains(x_row, mu_row, count, _STIFFNESS_STEP * b, allowed, scratch, t):
+        b *= _STIFFNESS_STEP
+    return b
+
+
+@njit(cache=True)
+def _claim(curve: Any, b: float, direction: int, t: Any) -> None:
+    """Tell whether this fit can claim to have come before the latest share of the peak.
+
+    Its own curve cannot tell: a bend that noise hides makes a fit late and its curve soft. So the stiffness that the
+    earlier fits of this wheel told judges, at the slip angle of now, which the pairs' low-pass lags behind.
+    """
+    judge = curve.known_b if curve.known_b > 0.0 else b
+    curve.early = 1 if judge * curve.now <= t.latest_times_b[direction] else 0
+    curve.known_b = 1.0 / ((1.0 - _LEARNING) / judge + _LEARNING / b)
+
+
+@njit(cache=True)
 def conclude_fit(
     curve: Any,
     x_row: FloatArray,
@@ -56,8 +110,8 @@ def conclude_fit(
     """Accept a fit, or go on storing.
 
     With the automatic threshold the fit itself tells how far the data have to reach, threshold_times_b / B: a fit whose
-    data do not reach it only moves the threshold. A curve at a bound of the search, or hardly better than a straight
-    line, is none that the data tell.
+    data do not reach it is refused, unless the peak may be near: to wait for more would be to wait for the peak. A
+    curve at a bound of the search, or hardly better than a straight line, is none that the data tell.
     """
     direction = number // 4
     count = curve.count
@@ -74,12 +128,15 @@ def conclude_fit(
         curve.provisional += 1
         return
     if t.automatic[direction] == 1:
-        wanted = t.threshold_times_b[direction] / b
-        wanted = min(max(wanted, t.low_threshold[direction]), t.high_threshold[direction])
-        if x < _TOLERANCE * wanted:
+        wanted = _wanted_reach(b, direction, t)
+        reached = x >= _TOLERANCE * wanted
+        if not reached and not _peak_may_be_near(curve, x_row, mu_row, count, objective, x, direction, scratch, t):
             curve.provisional += 1
             return
-        curve.threshold = wanted
+        curve.threshold = wanted if reached else x
+        stiffest = _stiffest(x_row, mu_row, count, b, objective, direction, scratch, t)
+        curve.start = _wanted_reach(stiffest, direction, t)
+    _claim(curve, b, direction, t)
     attained = 0.0
     for k in range(count):
         attained = max(attained, abs(mu_row[k]))
@@ -92,7 +149,7 @@ def conclude_fit(
     row = log[int(logged[0]) % LOG_ROWS]
     row[0], row[1], row[2], row[3] = time, number, curve.sign, count
     row[4], row[5], row[6] = curve.objective, quality, attained
-    row[7], row[8], row[9] = d, b, curve.share
+    row[7], row[8], row[9], row[10] = d, b, curve.share, curve.early
     logged[0] += 1.0
 
 
@@ -107,10 +164,11 @@ def observe_pair(
     number: int,
     x: float,
     mu: float,
+    now: float,
     time: float,
     t: Any,
 ) -> None:
-    """Take a pair of slip and friction of curve ``number``.
+    """Take a pair of slip and friction of curve ``number``; ``now`` is the slip that the pair's low-pass lags behind.
 
     A change of the slip's sign clears the buffer; crossing the threshold starts the fit; slip below it by the
     hysteresis leads back to the linear law.
@@ -130,9 +188,10 @@ def observe_pair(
     if sign == 0.0 or mu * sign <= 0.0:
         return
     _store(curve, x_row, mu_row, x, mu)
+    curve.now = max(abs(x), now)
     if t.fit[direction] == 0 or curve.skipped != 0 or curve.pending == 1:
         return
-    if abs(x) <= max(curve.threshold, curve.next_try) or curve.count < t.fewest_points:
+    if abs(x) <= max(curve.start, curve.next_try) or curve.count < t.fewest_points:
         return
     if t.outside_solver == 1:
         curve.pending = 1

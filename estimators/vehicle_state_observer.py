@@ -4,6 +4,7 @@ Each estimator is a choice of parts of one compiled tick (:mod:`estimators.vehic
 the four others and not a second implementation.
 """
 
+import math
 from collections.abc import Mapping
 from functools import partial
 from typing import Any, ClassVar
@@ -164,7 +165,8 @@ class StateObserver(Estimator):
         """The fits so far, the oldest first, at most the last 256.
 
         Each tells time [s], wheel, direction, sign of the slip in the document's axes, points, objective, R^2, attained
-        friction, limit D, stiffness B and the share of D that was attained.
+        friction, limit D, stiffness B, the share of D that was attained, and `early`: 1 where by the wheel's earlier
+        curves the fit came before the latest share of the peak, 0 where it can no longer claim to predict.
         """
         wheels = ("fr", "fl", "rr", "rl")
         logged = int(self._logged[0])
@@ -263,6 +265,9 @@ class StateObserver(Estimator):
         t["low_threshold"] = fit.lowest_lateral, fit.lowest_longitudinal
         t["high_threshold"] = fit.highest_lateral, fit.highest_longitudinal
         t["threshold_times_b"] = fit.share_lateral, fit.share_longitudinal
+        t["start_doubt"], t["doubt"] = fit.start_doubt, (fit.doubt, -1.0)
+        t["doubtful_times_b"] = _times_b(fit.doubtful_share, fit.shape), 1.0
+        t["latest_times_b"] = [_times_b(share, fit.shape) for share in (fit.latest_lateral, fit.latest_longitudinal)]
         t["hysteresis"], t["fewest_points"] = fit.hysteresis, fit.fewest_points
         t["lowest_r_squared"], t["largest_straightness"] = fit.lowest_r_squared, fit.straightness
         t["low_d"], t["high_d"] = fit.lowest_limit, fit.highest_limit
@@ -277,6 +282,11 @@ class StateObserver(Estimator):
         t["pitch_compensation"] = grade.pitch_compensation
         t["grade_model"] = VIRTUAL if grade.model_acceleration == "virtual" else INERTIAL
         t["largest_grade"], t["standstill_time"] = grade.largest_grade, grade.standstill_time
+
+
+def _times_b(share: float, shape: float) -> float:
+    """B x at which a curve reaches a share of its peak."""
+    return math.tan(math.asin(share) / shape)
 
 
 def _weight(step_s: float, time_constant_s: float) -> float:

@@ -12,7 +12,9 @@ CURVES = 8
 """Friction curves: four wheels lateral, then four wheels longitudinal."""
 BUFFER = 128
 LOG_ROWS = 256
-LOG_COLUMNS = ("time", "curve", "sign", "points", "objective", "r_squared", "attained", "limit", "stiffness", "share")
+LOG_COLUMNS = (
+    "time", "curve", "sign", "points", "objective", "r_squared", "attained", "limit", "stiffness", "share", "early",
+)  # fmt: skip
 
 LINEAR, CURVED = 0, 1
 
@@ -97,6 +99,10 @@ CURVE_RECORD = np.dtype(
         ("b", "f8"),
         ("d", "f8"),
         ("threshold", "f8"),
+        ("start", "f8"),
+        ("known_b", "f8"),
+        ("now", "f8"),
+        ("early", "i8"),
         ("next_try", "f8"),
         ("count", "i8"),
         ("sign", "f8"),
@@ -180,6 +186,10 @@ TUNING_RECORD = np.dtype(
         ("low_threshold", "f8", (2,)),
         ("high_threshold", "f8", (2,)),
         ("threshold_times_b", "f8", (2,)),
+        ("start_doubt", "f8"),
+        ("doubt", "f8", (2,)),
+        ("doubtful_times_b", "f8", (2,)),
+        ("latest_times_b", "f8", (2,)),
         ("hysteresis", "f8"),
         ("fewest_points", "i8"),
         ("lowest_r_squared", "f8"),

@@ -195,6 +195,34 @@ class CurveSettings(FileModel):
     share_longitudinal: float = parameter(
         "1", 0.63, low=0.05, high=2.0, description="B times threshold", source="3.4 [E]"
     )
+    start_doubt: float = parameter(
+        "1",
+        0.05,
+        low=0.0,
+        high=1.0,
+        description="the next start is at the threshold of the stiffest curve whose J is larger by it at most",
+        source=_OWN,
+    )
+    doubtful_share: float = parameter(
+        "1", 0.725, low=0.1, high=0.95, description="lateral: share of the peak up to which data may grow", source=_OWN
+    )
+    doubt: float = parameter(
+        "1",
+        0.2,
+        low=0.0,
+        high=1.0,
+        description="J above the best at which a curve that has reached doubtful_share ends the wait for more data",
+        source=_OWN,
+    )
+    latest_lateral: float = parameter(
+        "1",
+        0.765,
+        low=0.1,
+        high=0.99,
+        description="share of the peak beyond which a fit is not `early`",
+        source="AC-34",
+    )
+    latest_longitudinal: float = parameter("1", 0.8, low=0.1, high=0.99, description="the same", source="AC-35")
     hysteresis: float = parameter(
         "1", 0.1, low=0.0, high=0.9, description="share of the threshold, back to the linear law", source="3.4 [E]"
     )

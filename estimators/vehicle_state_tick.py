@@ -231,12 +231,12 @@ def _gather_pairs(s: Any, curves: Any, pairs: FloatArray, scratch: FloatArray, l
         if s.lateral_runs == 1 and s.rejected_y == 0:
             observe_pair(
                 curves[i], pairs[i, 0], pairs[i, 1], scratch, log, logged, i, s.filtered_alpha[i],
-                s.wheel_friction[i], s.time, t,
+                s.wheel_friction[i], abs(s.alpha[i]), s.time, t,
             )  # fmt: skip
         if s.running_time >= t.settling_time and s.longitudinal_runs == 1 and s.braking == 0:
             observe_pair(
                 curves[4 + i], pairs[4 + i, 0], pairs[4 + i, 1], scratch, log, logged, 4 + i,
-                s.pair_slip[i], s.pair_used[i], s.time, t,
+                s.pair_slip[i], s.pair_used[i], 0.0, s.time, t,
             )  # fmt: skip
 
 

@@ -140,25 +140,30 @@ def test_jump_of_friction_in_a_bend(record: Callable[..., None]) -> None:
 @pytest.mark.acceptance("V-34", "V-38", "V-55")
 @pytest.mark.parametrize("surface", SLALOMS)
 def test_lateral_fits(surface: str, record: Callable[..., None]) -> None:
+    """A fit that says that it comes early does; what noise made late is told as such and counted beside."""
     run = drive(f"state/slalom_{surface}")
     events = [event for seed in SEEDS for event in slalom(surface, seed).estimator.events()]
-    shares = np.array([true_share(run, event) for event in events])
+    every = np.array([true_share(run, event) for event in events])
+    early = np.array([event["early"] == 1.0 for event in events])
+    shares = every[early]
     quality = np.array([event["r_squared"] for event in events])
     errors = np.array([abs(e["limit"] / run[f"friction_limit_{e['wheel']}"][1000] - 1.0) for e in events])
     record(f"{surface}: fits per run", len(events) / len(SEEDS), "reported", id="V-34")
     record(f"{surface}: share of the true peak, largest", float(shares.max()), "<= 0.765", id="V-34")
-    record(f"{surface}: share of the true peak, median", float(np.median(shares)), "reported", id="V-34")
+    record(f"{surface}: share of the true peak, median", float(np.median(shares)), "0.45 ... 0.65", id="V-34")
     record(f"{surface}: R^2, smallest", float(quality.min()), ">= 0.90", id="V-34")
     record(f"{surface}: median error of D %", 100.0 * float(np.median(errors)), "reported", id="V-34")
-    assert {event["wheel"] for event in events} == set(WHEELS)
-    assert {event["sign"] for event in events} == {1.0, -1.0}
-    late = float(np.mean(shares > 0.765))
-    record(f"{surface}: part of the fits beyond 0.765", late, "0", id="V-34")
+    record(f"{surface}: part of the fits that say they may be late", float(np.mean(~early)), "reported", id="V-34")
+    record(f"{surface}: part of all fits beyond 0.765", float(np.mean(every > 0.765)), "reported", id="V-34")
+    for chosen in (np.ones(len(events), bool), early):
+        assert {event["wheel"] for event, take in zip(events, chosen, strict=True) if take} == set(WHEELS)
+        assert {event["sign"] for event, take in zip(events, chosen, strict=True) if take} == {1.0, -1.0}
     assert quality.min() >= 0.90
-    assert np.median(shares) <= 0.65
-    if late:
-        assert late < 0.05
-        pytest.xfail(f"{surface}: {100 * late:.1f} % of the fits come later, where noise hid the curve's bend at first")
+    assert shares.max() <= 0.765
+    assert 0.45 <= np.median(shares) <= 0.65
+    assert np.median(every) <= 0.65
+    assert np.mean(early) > 0.8  # the flag is the exception, not a way out
+    assert np.mean(every > 0.765) < 0.01
 
 
 @pytest.mark.acceptance("V-35", "V-55")

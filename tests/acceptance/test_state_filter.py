@@ -112,7 +112,8 @@ def curve_memory(**settings: Any) -> tuple[Any, ...]:
 def feed(memory: tuple[Any, ...], angles: np.ndarray, friction: np.ndarray, number: int = 0) -> Any:
     curves, pair, scratch, log, logged, t = memory
     for k, (x, mu) in enumerate(zip(angles, friction, strict=True)):
-        observe_pair(curves[number], pair[0], pair[1], scratch, log, logged, number, float(x), float(mu), 0.01 * k, t)
+        now, time = float(abs(x)), 0.01 * k
+        observe_pair(curves[number], pair[0], pair[1], scratch, log, logged, number, float(x), float(mu), now, time, t)
     return curves[number]
 
 
