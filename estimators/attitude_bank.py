@@ -33,6 +33,7 @@ from estimators.attitude_memory import (
     CAR,
     CHANNELS,
     DELAY,
+    DOCUMENT_CYCLE,
     ELEVATION_POLE,
     EXTERNAL,
     FRICTION_SHARE,
@@ -77,9 +78,6 @@ from estimators.interface import Estimator
 from estimators.kalman.covariance import FloatArray, IntArray
 from estimators.vehicle_numbers import required
 from signals.catalogue import block_slice, index_of
-
-_CHUNK = 4096
-"""Rows that a replay hands to compiled code at a time."""
 
 _SETTLING = 0.4
 """Periods of the cut-off frequency after which a low-pass has forgotten five sixths of its start."""
@@ -145,7 +143,7 @@ class AttitudeFilter(Estimator):
         t, ticks = self.memory.tuning, max(1, round(settings.period / sample_time_s))
         t[SAMPLE_TIME], t[PERIOD_TICKS], t[PERIOD] = sample_time_s, ticks, ticks * sample_time_s
         t[CAR], t[EXTERNAL] = self.form.car, settings.speed_source == "external"
-        t[LOOP] = self.form.loop
+        t[LOOP], t[DOCUMENT_CYCLE] = self.form.loop, settings.cycle == "document"
         t[MINIMUM_SPEED], t[LARGEST_ROLL] = settings.minimum_speed, settings.largest_roll
         t[VIRTUAL] = t[REPORTED] = self.form.virtual
         t[STALE_AGE] = settings.input_timeout
@@ -184,22 +182,9 @@ class AttitudeFilter(Estimator):
         self.memory.status[RESETS] = 0.0
         forget_inputs(self._guard)
 
-    def replay(self, columns: Mapping[str, FloatArray], ages: Mapping[str, FloatArray] | None = None) -> FloatArray:
-        """Run over recorded signals, one sample per tick, as :meth:`Estimator.replay`, the loop compiled."""
-        bus, bus_age = block_slice("bus"), block_slice("bus_age")
-        length = len(columns[self.inputs[0]])
-        results = np.zeros((length, len(self.outputs)))
-        inputs = np.zeros((min(length, _CHUNK), bus.stop - bus.start))
-        input_ages = np.zeros((min(length, _CHUNK), bus_age.stop - bus_age.start))
-        for first in range(0, length, _CHUNK):
-            last = min(first + _CHUNK, length)
-            for name in self.inputs:
-                inputs[: last - first, index_of(name) - bus.start] = columns[name][first:last]
-            for name, values in (ages or {}).items():
-                input_ages[: last - first, index_of(name) - bus_age.start] = values[first:last]
-            chunk = slice(0, last - first)
-            replay_rows(*self._bound, inputs[chunk], input_ages[chunk], results[first:last])
-        return results
+    def tick_rows(self, inputs: FloatArray, ages: FloatArray, out: FloatArray) -> None:
+        """Tick once for every row, the loop compiled."""
+        replay_rows(*self._bound, inputs, ages, out)
 
 
 def butterworth(cut_off_hz: float, sample_time_s: float) -> tuple[float, float, float, float, float]:

@@ -18,6 +18,9 @@ from signals.catalogue import Signal, block_slice, index_of
 
 FloatArray = NDArray[np.float64]
 
+_CHUNK = 4096
+"""Rows of the blocks that a replay holds at a time."""
+
 
 class Estimator(ABC):
     """Base of all estimators; build one with :func:`estimators.create`.
@@ -71,13 +74,19 @@ class Estimator(ABC):
         """
         bus, bus_age = block_slice("bus"), block_slice("bus_age")
         length = len(columns[self.inputs[0]])
-        inputs = np.zeros((length, bus.stop - bus.start))
-        input_ages = np.zeros((length, bus_age.stop - bus_age.start))
-        for name in self.inputs:
-            inputs[:, index_of(name) - bus.start] = columns[name]
-        for name, values in (ages or {}).items():
-            input_ages[:, index_of(name) - bus_age.start] = values
+        inputs = np.zeros((min(length, _CHUNK), bus.stop - bus.start))
+        input_ages = np.zeros((min(length, _CHUNK), bus_age.stop - bus_age.start))
         results = np.zeros((length, len(self.outputs)))
-        for k in range(length):
-            self.tick(inputs[k], input_ages[k], results[k])
+        for first in range(0, length, _CHUNK):
+            last = min(first + _CHUNK, length)
+            for name in self.inputs:
+                inputs[: last - first, index_of(name) - bus.start] = columns[name][first:last]
+            for name, values in (ages or {}).items():
+                input_ages[: last - first, index_of(name) - bus_age.start] = values[first:last]
+            self.tick_rows(inputs[: last - first], input_ages[: last - first], results[first:last])
         return results
+
+    def tick_rows(self, inputs: FloatArray, ages: FloatArray, out: FloatArray) -> None:
+        """Tick once for every row; an estimator that has its own loop compiles it."""
+        for k in range(len(inputs)):
+            self.tick(inputs[k], ages[k], out[k])

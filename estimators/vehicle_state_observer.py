@@ -94,6 +94,32 @@ def _tick(
         out[k] = everything[places[k]]
 
 
+@njit(cache=True)
+def _tick_rows(
+    s_rows: Any,
+    curves: Any,
+    memory: Any,
+    pairs: FloatArray,
+    scratch: FloatArray,
+    log: FloatArray,
+    logged: FloatArray,
+    car_rows: Any,
+    steering: FloatArray,
+    t_rows: Any,
+    guard: FloatArray,
+    positions: IntArray,
+    everything: FloatArray,
+    places: IntArray,
+    inputs: FloatArray,
+    ages: FloatArray,
+    out: FloatArray,
+) -> None:
+    """A tick for every row of recorded blocks; arrays of shape (n, width)."""
+    for k in range(inputs.shape[0]):
+        _tick(s_rows, curves, memory, pairs, scratch, log, logged, car_rows, steering, t_rows, guard, positions,
+              everything, places, inputs[k], ages[k], out[k])  # fmt: skip
+
+
 class StateObserver(Estimator):
     """Base of the vehicle-state observers; build one with :func:`estimators.create`.
 
@@ -133,8 +159,7 @@ class StateObserver(Estimator):
         inputs = state_inputs(settings)
         self._guard, self._positions = input_guard(inputs, settings.input_timeout)
         super().__init__(self.estimator_name, inputs, sample_time_s)
-        compiled = partial(
-            _tick,
+        self._bound = (
             self._rows,
             self._curves,
             self._memory,
@@ -150,7 +175,9 @@ class StateObserver(Estimator):
             np.zeros(len(ALL_OUTPUTS)),
             np.array(positions_of(self.written), dtype=np.int64),
         )
-        self.tick = partial(self._tick_with_solver, compiled, fit) if fit.optimiser == "slsqp" else compiled
+        self._outside_solver = fit.optimiser == "slsqp"
+        compiled = partial(_tick, *self._bound)
+        self.tick = partial(self._tick_with_solver, compiled, fit) if self._outside_solver else compiled
         self.reset()
 
     def reset(self) -> None:
@@ -160,6 +187,13 @@ class StateObserver(Estimator):
         self._log[:], self._logged[:] = 0.0, 0.0
         forget_inputs(self._guard)
         forget_state(self._rows[0], self._curves, self._memory, self._car.record[0], self._tuning[0])
+
+    def tick_rows(self, inputs: FloatArray, ages: FloatArray, out: FloatArray) -> None:
+        """Tick once for every row, the loop compiled where the fits are solved within it."""
+        if self._outside_solver:
+            super().tick_rows(inputs, ages, out)
+        else:
+            _tick_rows(*self._bound, inputs, ages, out)
 
     def events(self) -> list[dict[str, Any]]:
         """The fits so far, the oldest first, at most the last 256.
