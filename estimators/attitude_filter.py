@@ -112,7 +112,7 @@ def observation_slopes(
 
 @njit(cache=True)
 def predict_filter(x: FloatArray, covariance: FloatArray, a: Memory, bike: Any, car: Any) -> None:
-    """Explicit Euler over a period with the inputs of its middle; F = I + period df/dx."""
+    """Explicit Euler over a period with the inputs of its middle or its start; F = I + period df/dx."""
     entries, rates, slopes, period = a.entries, a.rates, a.slopes_f, a.tuning[PERIOD]
     system_slopes(x, a.inputs[2], bike, car, a.tuning[CAR] > 0.0, entries, a.steps, rates, slopes)
     for row in range(entries.shape[0]):

@@ -57,8 +57,9 @@ STATUS = 12
     GRAVITY,
     REPORTED,
     SETTLING_TICKS,
-) = range(27)
-TUNING = 27
+    DOCUMENT_CYCLE,
+) = range(28)
+TUNING = 28
 
 
 class Memory(NamedTuple):
@@ -77,9 +78,9 @@ class Memory(NamedTuple):
     entries, rows : shapes (k,), (m,)
         Entries of the full vector that are states; rows of the measurement that are used.
     inputs : shape (3, 11)
-        Inputs of this step, of the last one, and in the middle between them.
-    filtered : shape (7, 3)
-        Low-passes: two memories and the value, for each channel.
+        Inputs of this step, of the last one, and those of the prediction from there to here.
+    filtered : shape (7, 4)
+        Low-passes: two memories, the value and that of the sample before, for each channel.
     coefficients : shape (2, 5)
         Low-pass of the sensors and of the speed: b0, b1, b2, a1, a2.
     matrices : shape (2, 3, 3)
@@ -136,7 +137,7 @@ def memory(filters: int, entries: IntArray, rows: IntArray, wheels: int) -> Memo
         entries=entries,
         rows=rows,
         inputs=np.zeros((3, INPUTS)),
-        filtered=np.zeros((CHANNELS, 3)),
+        filtered=np.zeros((CHANNELS, 4)),
         coefficients=np.zeros((2, 5)),
         matrices=np.zeros((2, 3, 3)),
         sources=np.zeros(CHANNELS + 2, dtype=np.int64),

@@ -3,7 +3,18 @@
 from numba import njit
 
 from estimators.attitude_forms import ROW_ROLL, ROW_SPEED, ROW_Y, ROW_Z
-from estimators.attitude_memory import CAR, CHANNELS, EXTERNAL, FILTERING, GRAVITY, PERIOD, TARGET, Memory
+from estimators.attitude_memory import (
+    CAR,
+    CHANNELS,
+    DOCUMENT_CYCLE,
+    EXTERNAL,
+    FILTERING,
+    GRAVITY,
+    PERIOD,
+    SAMPLE_TIME,
+    TARGET,
+    Memory,
+)
 from estimators.attitude_two_wheeler import (
     INPUTS,
     L_ELEVATION,
@@ -40,6 +51,7 @@ def measured_speed(a: Memory, guard: FloatArray) -> float:
 def _pass(memory: FloatArray, coefficients: FloatArray, value: float) -> None:
     """Second-order low-pass of a channel, transposed direct form."""
     out = coefficients[0] * value + memory[0]
+    memory[3] = memory[2]
     memory[0] = coefficients[1] * value - coefficients[3] * out + memory[1]
     memory[1] = coefficients[2] * value - coefficients[4] * out
     memory[2] = out
@@ -48,7 +60,7 @@ def _pass(memory: FloatArray, coefficients: FloatArray, value: float) -> None:
 @njit(cache=True)
 def _settle(memory: FloatArray, coefficients: FloatArray, value: float) -> None:
     """State of a low-pass that has seen a constant for ever."""
-    memory[2] = value
+    memory[2] = memory[3] = value
     memory[1] = (coefficients[2] - coefficients[4]) * value
     memory[0] = (coefficients[1] - coefficients[3]) * value + memory[1]
 
@@ -84,6 +96,31 @@ def _along_axes(a: Memory, group: int, axis: int) -> float:
 
 
 @njit(cache=True)
+def _rise_of_a_sample(a: Memory, axis: int) -> float:
+    """Derivative of a low-passed rate [rad/s^2] over the last sample."""
+    total = 0.0
+    for i in range(3):
+        total += a.matrices[0, axis, i] * (a.filtered[i, 2] - a.filtered[i, 3])
+    return total / a.tuning[SAMPLE_TIME]
+
+
+@njit(cache=True)
+def _inputs_of_the_prediction(a: Memory) -> None:
+    """Those of the last step in the document's cycle, else those of the middle of the step.
+
+    There a difference of the rates over the step belongs, which is half a step old at its end.
+    """
+    now, before = a.inputs[0], a.inputs[1]
+    for place in range(INPUTS):
+        if a.tuning[DOCUMENT_CYCLE] > 0.0:
+            a.inputs[2, place] = before[place]
+        elif U_ROLL_RISE <= place < U_ROLL_RISE + 3:
+            a.inputs[2, place] = now[place]
+        else:
+            a.inputs[2, place] = 0.5 * (now[place] + before[place])
+
+
+@njit(cache=True)
 def take_inputs(a: Memory, guard: FloatArray, differentiate: bool) -> None:
     """Inputs and measurement of a step; differentiators 41 to 43."""
     now, before = a.inputs[0], a.inputs[1]
@@ -91,14 +128,13 @@ def take_inputs(a: Memory, guard: FloatArray, differentiate: bool) -> None:
     for axis in range(3):
         now[U_ROLL + axis] = _along_axes(a, 0, axis)
         rise = (now[U_ROLL + axis] - before[U_ROLL + axis]) / a.tuning[PERIOD]
+        if a.tuning[DOCUMENT_CYCLE] > 0.0:
+            rise = _rise_of_a_sample(a, axis)
         now[U_ROLL_RISE + axis] = rise if differentiate else 0.0
     now[U_X], now[U_Y] = _along_axes(a, 1, 0), _along_axes(a, 1, 1)
     now[U_ELEVATION], now[U_ELEVATION_RATE] = a.loads[L_ELEVATION], a.loads[L_ELEVATION_RATE]
     if a.tuning[CAR] > 0.0:
         now[U_STEER] = guard[a.sources[STEER_SOURCE] - 1, VALUE]
-    # a first difference is the derivative half a step ago: there the prediction takes its inputs
-    for place in range(INPUTS):
-        rises = U_ROLL_RISE <= place < U_ROLL_RISE + 3
-        a.inputs[2, place] = now[place] if rises else 0.5 * (now[place] + before[place])
+    _inputs_of_the_prediction(a)
     a.measured[ROW_Y], a.measured[ROW_Z] = now[U_Y], _along_axes(a, 1, 2)
     a.measured[ROW_SPEED], a.measured[ROW_ROLL] = a.filtered[SPEED_CHANNEL, 2], a.tuning[TARGET]

@@ -72,6 +72,12 @@ class AttitudeSettings(FileModel):
     period: float = parameter(
         "s", 0.01, low=0.0005, high=0.1, description="time between two steps of the filters", source=_P
     )
+    cycle: Literal["middle", "document"] = Field(
+        default="middle",
+        description="middle: a prediction takes its inputs half way between two steps, where the differences of the "
+        "rates over a step belong; document: its cycle as written (3.6, FIG. 3): those of the last step, the rates "
+        "differentiated from sample to sample behind their low-passes",
+    )
     measurement_lateral_acceleration: float | None = _form_value("m/s^2", "noise of G_y")
     measurement_vertical_acceleration: float | None = _form_value("m/s^2", "noise of G_z")
     measurement_speed: float | None = _form_value("m/s", "noise of the speed")

@@ -21,6 +21,8 @@ SEEDS = (101, 102, 103, 104, 105, 106)
 """Never used to choose a setting; those came from seeds 1 to 4."""
 ONSET_S, JUDGED_S = 30.0, 90.0
 DEGREE = float(np.deg2rad(1.0))
+DOCUMENT = {"cycle": "document"}
+"""The cycle as the document writes it (3.6), on which its acceptance list binds."""
 STEP = 5
 STEPPED = slice(4, None, STEP)
 """Samples between two steps of the filters; rows in which they step, the first at the 25th sample."""
