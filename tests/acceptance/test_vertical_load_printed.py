@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from scipy.linalg import expm
-from vertical_load_experiments import SAMPLE_S, document_record, drive, matrices, noisy, rmse, vehicle_numbers
+from vertical_load_experiments import SAMPLE_S, document_record, drive, matrices, noisy, rmse
 
 from estimators.vertical_load_model import wheel_loads
 
@@ -63,18 +63,18 @@ def test_roll_stiffness_counts_the_sprung_mass() -> None:
 
 
 def filtered_loads(measured: dict[str, np.ndarray], roll_sign: float) -> np.ndarray:
-    """Loads after (15c) of the three-sensor filter with Q_A; ``roll_sign`` -1 is (10) in the place of (10c)."""
+    """Loads after (15c) of the three-sensor filter at 70 km/h with Q_A; ``roll_sign`` -1 is (10) in the place of (10c)."""
     x, p, r = np.zeros(4), np.diag([0.1, 0.01, 1e-4, 1e-3]), np.diag(np.square([0.05, 0.002, 0.005]))
     angles = measured["steering_wheel_angle"] / 17.0
     before, loads = angles[0], np.zeros((len(angles), 4))
+    a, b, c, d = matrices(SPEED)
+    a[3, :2] *= roll_sign
+    b[3] *= roll_sign
+    augmented = np.zeros((5, 5))
+    augmented[:4, :4], augmented[:4, 4] = a, b
+    both = expm(augmented * SAMPLE_S)
+    phi, gamma = both[:4, :4], both[:4, 4]
     for k, angle in enumerate(angles):
-        a, b, c, d = matrices(measured["wheel_speed_fl"][k] * vehicle_numbers()["wheels.fl.radius"])
-        a[3, :2] *= roll_sign
-        b[3] *= roll_sign
-        augmented = np.zeros((5, 5))
-        augmented[:4, :4], augmented[:4, 4] = a, b
-        both = expm(augmented * SAMPLE_S)
-        phi, gamma = both[:4, :4], both[:4, 4]
         x, p = phi @ x + gamma * before, phi @ p @ phi.T + np.diag(SET_A)
         gain = p @ c.T @ np.linalg.inv(c @ p @ c.T + r)
         y = np.array([measured[key][k] for key in ("lateral_acceleration", "yaw_rate", "roll_rate")])
