@@ -17,9 +17,8 @@ from model_diagnosis.data import check_data, read_manoeuvres
 from model_diagnosis.data.holding_out import held_out_by_time
 from model_diagnosis.data.liveliest import liveliest
 from model_diagnosis.discovery.unknown import with_unknown
-from model_diagnosis.effects.catalogue import EFFECTS
 from model_diagnosis.effects.catalogue import effect as find_effect
-from model_diagnosis.effects.form import FORM_EFFECTS, FORM_HYDRAULICS_EFFECTS
+from model_diagnosis.effects.form import FORM_NAMES
 from model_diagnosis.evidence.answer import CauseDetail, causes
 from model_diagnosis.evidence.base import Base, fit_base
 from model_diagnosis.evidence.excitation import Excitation, excitation, excited_columns
@@ -49,9 +48,6 @@ from vehicle_model.vehicle_file import VehicleFile
 FloatArray = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 Source = Sequence[Manoeuvre] | Sequence[str | Path]
-
-REPLAYED = (*EFFECTS, *FORM_EFFECTS, *FORM_HYDRAULICS_EFFECTS)
-"""Effects that the replay carries: the catalogue, and what is allowed without ever being named."""
 
 REFIT_MARGIN = 3.0
 """Log evidence below the threshold from which an effect is still refitted."""
@@ -136,9 +132,7 @@ def diagnose(
         raise _with_faults(error, faults) from None
     if not any(len(replay.signals(number)) for number in range(len(manoeuvres))):
         raise InputError("no signal of these logs can be compared with a replay", mend="check the channel map")
-    return _Pipeline(
-        car, replay, Replay(car, held_out, REPLAYED) if held_out else None, faults, logs, seed, clock
-    ).run()
+    return _Pipeline(car, replay, Replay(car, held_out) if held_out else None, faults, logs, seed, clock).run()
 
 
 def _with_faults(error: InputError, faults: Sequence[DataFault]) -> InputError:
@@ -225,6 +219,11 @@ class _Pipeline:
         alike = [look_alikes(search, selection, one, self._forced(one)) for one in selection.accepted]
         return causes(search, selection, alike, self.replay.physical)
 
+    @property
+    def _nameable(self) -> int:
+        """Effects of the replay that may be causes."""
+        return sum(effect.name not in FORM_NAMES for effect in self.replay.effects)
+
     def _forced(self, accepted: Accepted) -> list[int]:
         """Effects that these channels cannot tell from an accepted one on any data."""
         channels = {name for manoeuvre in self.replay.manoeuvres for name in manoeuvre.channels}
@@ -249,7 +248,7 @@ class _Pipeline:
         found = [detail.cause for detail in details]
         gain = gain_of(search.problem, selection, self.held_out, self.seed) if found else None
         return Diagnosis(
-            verdict=verdict_of(found, [], self.faults, wrong, shown.insufficient, len(self.replay.effects)),
+            verdict=verdict_of(found, [], self.faults, wrong, shown.insufficient, self._nameable),
             data_faults=self.faults,
             causes=found,
             gain=gain,

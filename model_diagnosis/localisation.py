@@ -59,8 +59,11 @@ class Localisation:
 def localise(replay: Replay, base: Base, theta: FloatArray, seed: int = 0) -> Localisation:
     """Violated equations of a replay at theta (p,), the fit of "nothing"."""
     temperature, manoeuvres = base.problem.whitener.temperature, range(len(replay.manoeuvres))
+    # at the vehicle file: the fit of "nothing" has shared the guilt already, a wheel's weak brake with its neighbour's
+    # strong one, and what is linear about it cannot tell them apart any more
+    file = base.at_neutral.theta
     innovations = violated_by_innovations(
-        base.problem, base.at_nothing, theta, partial(disturbance_answers, replay, theta)
+        base.problem, base.at_neutral, file, partial(disturbance_answers, replay, file)
     )
     priors = base.problem.priors
     reach = _SCATTER_STD * priors.nuisance

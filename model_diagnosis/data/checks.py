@@ -13,6 +13,7 @@ from model_diagnosis.data.delay_checks import (
     explain_lags,
     fault_of,
     lag_relations,
+    refined_delays,
     shifted,
 )
 from model_diagnosis.data.drift_checks import check_drift
@@ -62,9 +63,15 @@ def check_data(
     replayable = replay if replay is not None and _can_be_replayed(repaired, vehicle, replay) else None
     found, repaired = check_low_pass(repaired, geometry, _replayed(repaired, vehicle, replayable))
     faults += found
-    for judge in (None, replayable) if replayable is not None else (None,):
-        found, repaired = _check_delays(repaired, geometry, vehicle, judge)
-        faults += found
+    found, large, repaired = _check_delays(repaired, geometry, vehicle, None)
+    faults += found
+    if replayable is not None:
+        replayed = _replayed(repaired, vehicle, replayable)
+        large, repaired = refined_delays(large, lag_relations(repaired, geometry, replayed), repaired)
+    faults += [fault_of(late) for late in large]
+    if replayable is not None:
+        found, small, repaired = _check_delays(repaired, geometry, vehicle, replayable)
+        faults += found + [fault_of(late) for late in small]
     return distinct(faults), repaired
 
 
@@ -87,8 +94,11 @@ def _replayed(
 
 def _check_delays(
     manoeuvres: Sequence[Manoeuvre], geometry: Geometry, vehicle: VehicleFile, replay: ReplayFactory | None
-) -> tuple[list[DataFault], list[Manoeuvre]]:
-    """Late channels; with a replay the small ones, each accepted by its innovations unless it is plainly large."""
+) -> tuple[list[DataFault], list[Late], list[Manoeuvre]]:
+    """Commands among the measurements, late channels, repaired manoeuvres.
+
+    With a replay the small delays too, each accepted by its innovations unless it is plainly large.
+    """
     replayed = _replayed(manoeuvres, vehicle, replay)
     relations = lag_relations(manoeuvres, geometry, replayed)
     repaired = list(manoeuvres)
@@ -108,4 +118,4 @@ def _check_delays(
     if replay is not None and len(late_sets) > len(large):
         rest = [late for late in late_sets if late not in large]
         small, repaired = accepted_delays(rest, repaired, vehicle, replay)
-    return named + [fault_of(late) for late in [*large, *small]], repaired
+    return named, [*large, *small], repaired

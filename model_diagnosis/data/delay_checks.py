@@ -42,6 +42,8 @@ _PROPOSAL_PENALTY = 2.5
 _PROPOSED_S = 0.007
 _PENALTY = 9.0
 _MOST = 3
+_FARTHEST_STDS = 3.0
+"""Standard deviations by which the replay may move a delay that the channels tell among themselves."""
 
 
 @dataclass(frozen=True)
@@ -210,6 +212,26 @@ def explain_lags(relations: Sequence[LagRelation], sets: Sequence[Late], *, prop
             break
         accepted = best[1]
     return accepted
+
+
+def refined_delays(
+    known: Sequence[Late], relations: Sequence[LagRelation], manoeuvres: Sequence[Manoeuvre]
+) -> tuple[list[Late], list[Manoeuvre]]:
+    """Late sets that were shifted already, with what the lags against the replay say of the rest of their delay.
+
+    That they are late is settled; by how much, a usual car's lag tells only within its tolerance of tens of ms.
+    """
+    refined, current = [], list(manoeuvres)
+    for late, rest in zip(known, _fit(relations, known)[0], strict=True):
+        told = any((one.late in late.groups) != (one.early in late.groups) for one in relations)
+        if not told or rest.std_s > late.std_s or abs(rest.delay_s) > _FARTHEST_STDS * late.std_s:
+            refined.append(late)
+            continue
+        exact = replace(late, delay_s=SAMPLE_TIME_S * round(late.delay_s / SAMPLE_TIME_S) + rest.delay_s)
+        moved = round(exact.delay_s / SAMPLE_TIME_S) - round(late.delay_s / SAMPLE_TIME_S)
+        current = [shifted(one, late.channels, moved * SAMPLE_TIME_S) for one in current]
+        refined.append(replace(exact, std_s=rest.std_s))
+    return refined, current
 
 
 def _price(late: Late, relations: Sequence[LagRelation], penalty: float) -> float:

@@ -5,6 +5,7 @@ sensor's own lag) would otherwise go into whatever effect is determined weakest 
 and 4.3). Each is a column of the replay with its own scatter, so that what it explains is taken out of all evidence.
 """
 
+from model_diagnosis.effects.catalogue import EFFECTS
 from model_diagnosis.effects.effect import Application, Effect, EffectParameter, Group
 
 _MOTION = ("lateral_acceleration", "longitudinal_acceleration", "yaw_rate", "roll_rate", "pitch_rate")
@@ -107,3 +108,6 @@ FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
 
 FORM_NAMES = frozenset(effect.name for effect in (*FORM_EFFECTS, *FORM_HYDRAULICS_EFFECTS))
 """Names of effects that are no causes."""
+
+REPLAYED: tuple[Effect, ...] = (*EFFECTS, *FORM_EFFECTS, *FORM_HYDRAULICS_EFFECTS)
+"""What a replay carries: the catalogue, and what is allowed without ever being named."""

@@ -27,12 +27,13 @@ class Base:
     problem : with the whitening that stays fixed for all hypotheses
     nothing : fit of the nominal parameters within their scatter
     saturated : fit with every effect allowed
-    at_nothing, at_saturated : sensitivities at the two
+    at_neutral, at_nothing, at_saturated : sensitivities at the vehicle file and at the two
     """
 
     problem: Problem
     nothing: Fit
     saturated: Fit
+    at_neutral: Linearisation
     at_nothing: Linearisation
     at_saturated: Linearisation
 
@@ -46,14 +47,14 @@ def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = No
     neutral = np.clip(priors.centre, priors.low, priors.high)
     tell("sensitivities at the vehicle file", 0.0)
     crude = Problem(replay, priors, sensor_whitener(replay))
-    raw = replay.sensitivities(neutral)
-    chord = crude.linearise(neutral, raw)
+    at_file = replay.sensitivities(neutral)
+    chord = crude.linearise(neutral, at_file)
     tell("base fit", 0.3)
     nothing = crude.fit(chord, priors.nuisance, neutral)
     saturated, whitener = _saturated_from_two_starts(crude, chord, (nothing.theta, neutral))
     tell("sensitivities at the base fit", 0.4)
     problem = Problem(replay, priors, whitener)
-    chord = problem.linearise(neutral, raw)
+    chord = problem.linearise(neutral, at_file)
     nothing = problem.fit(chord, priors.nuisance, nothing.theta)
     raw = replay.sensitivities(nothing.theta)
     chord = problem.linearise(nothing.theta, raw)
@@ -70,7 +71,8 @@ def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = No
     nothing = problem.fit(_cooled(at_nothing, problem), priors.nuisance, nothing.theta)
     saturated = problem.fit(at_saturated, priors.saturated(), saturated.theta)
     tell("base", 1.0)
-    return Base(problem, nothing, saturated, problem.linearise(nothing.theta, raw), at_saturated)
+    at_neutral, at_nothing = problem.linearise(neutral, at_file), problem.linearise(nothing.theta, raw)
+    return Base(problem, nothing, saturated, at_neutral, at_nothing, at_saturated)
 
 
 def _saturated_from_two_starts(

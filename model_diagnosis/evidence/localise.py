@@ -105,7 +105,7 @@ def violated_by_innovations(
     Parameters
     ----------
     linearisation : sensitivities to the nominal numbers near theta
-    theta : (p,) fit of "nothing": the nominal numbers within their scatter
+    theta : (p,) where the residuals are taken; their scatter about the prior's centre is allowed for
     answers : of a manoeuvre's number, equation -> (n, c, k) change of measured minus predicted per unit of k errors
     """
     temperature, z = problem.whitener.temperature, problem.scaled(theta)

@@ -27,7 +27,7 @@ from model_diagnosis.replay.disturb_step import (
 from model_diagnosis.replay.hydraulic import GAIN as PRESSURE_GAIN
 from model_diagnosis.replay.prepared import PRESSURES, Prepared
 from model_diagnosis.replay.record import CORRECTED
-from model_diagnosis.replay.replay import GAINS, Replay
+from model_diagnosis.replay.replay import Replay
 from model_diagnosis.replay.run import replay_run
 from model_diagnosis.replay.state import STATE_RECORD
 from signals.wheels import WHEELS
@@ -116,7 +116,16 @@ def _moved(replay: Replay, theta: FloatArray, m: int) -> dict[str, FloatArray]:
     tried = {"N": 0.005 * 9.81 * float(cars[0]["mass"]), "N m": 0.01 * float(np.sum(cars[0]["static_load"])) * 0.1}
     pressures = replay.wheel_pressures(deviations, prepared)
     inputs, corrected = replay.inputs_at(deviations, prepared, pressures), replay.corrected_at(deviations, prepared)
-    fixed = (replay.tables_at(deviations), inputs, corrected, prepared.valid, prepared.start, GAINS, 0, SAMPLE_TIME_S)
+    fixed = (
+        replay.tables_at(deviations),
+        inputs,
+        corrected,
+        prepared.valid,
+        prepared.start,
+        replay.gains,
+        0,
+        SAMPLE_TIME_S,
+    )
 
     def run(place: int, disturbance: FloatArray) -> FloatArray:
         out = np.empty((prepared.manoeuvre.samples, len(prepared.chosen)))
@@ -172,7 +181,7 @@ def _sensor_answers(replay: Replay, deviations: Mapping[str, float], prepared: P
     The signal is the predicted one: the measured one holds the noise that the residual consists of.
     """
     pressures = replay.wheel_pressures(deviations, prepared)
-    predicted = replay.car_outputs(deviations, prepared, pressures, GAINS, 0, prepared.chosen)
+    predicted = replay.car_outputs(deviations, prepared, pressures, replay.gains, 0, prepared.chosen)
     found = {}
     for name in (*_SENSORS, *_SCALED):
         if name not in prepared.signals:
@@ -189,7 +198,7 @@ def _sensor_answers(replay: Replay, deviations: Mapping[str, float], prepared: P
                 read = prepared.corrected.copy()
                 read[:, CORRECTED.index(name)] += size * shape
                 misled = replace(prepared, corrected=read)
-                moved = replay.car_outputs(deviations, misled, pressures, GAINS, 0, prepared.chosen)
+                moved = replay.car_outputs(deviations, misled, pressures, replay.gains, 0, prepared.chosen)
                 answers[:, : len(prepared.chosen), k] -= (moved - predicted) / size
         found[f"sensor {name}"] = answers
     return found

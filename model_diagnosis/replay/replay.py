@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.effects.catalogue import EFFECTS
 from model_diagnosis.effects.effect import Application, Effect, EffectParameter
+from model_diagnosis.effects.form import REPLAYED
 from model_diagnosis.effects.sensor_chain import measured_signals, sensor_columns, true_inputs
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.derived import derive
@@ -36,8 +36,17 @@ from vehicle_model.vehicle_file import VehicleFile
 
 FloatArray = NDArray[np.float64]
 
-GAINS = np.array([0.3, 0.05, 0.1, 0.05])
+_GAINS = (0.3, 0.05, 0.1, 0.05)
 """Gains of the observer per 10 ms: wheel speeds, speed, yaw rate, and speed by the wheels where it is not measured."""
+
+_DEAD_BAND = 2.0
+"""Standard deviations of a wheel speed's own noise that correct nothing; what is beyond has 1 % of its variance.
+
+A wheel that is corrected by noise forgets it the sooner, the lighter it is and the closer it is coupled to the other
+one: the prediction would gain by a wrong inertia, a wrong differential, a wrong lag.
+"""
+
+_FREE = np.zeros(len(_GAINS) + 1)
 
 _STEP_SHARE = 0.05
 """Step of a finite difference over the effect's width."""
@@ -78,6 +87,7 @@ class Replay:
     owner : (p,) index into ``effects``
     prepared : what stays the same of each manoeuvre
     car, hydraulics : the vehicle without deviations
+    gains : (5,) of the observer, and the dead band of the wheel speeds [rad/s]
 
     Raises
     ------
@@ -89,7 +99,7 @@ class Replay:
         self,
         vehicle: VehicleFile,
         manoeuvres: Sequence[Manoeuvre],
-        effects: Sequence[Effect] = EFFECTS,
+        effects: Sequence[Effect] = REPLAYED,
         *,
         threads: int | None = None,
     ) -> None:
@@ -110,6 +120,7 @@ class Replay:
         self._threads = threads or os.cpu_count() or 1
         self.car: NominalCar = nominal_car(vehicle)
         self.hydraulics = HydraulicReplay(vehicle)
+        self.gains = np.array([*_GAINS, _DEAD_BAND * own_noise(vehicle, "wheel_speed_fl")])
         self.prepared = [prepare(manoeuvre, vehicle) for manoeuvre in self.manoeuvres]
         by_steps = self._pressure_misfit()
         self.hydraulics.flows = True
@@ -147,12 +158,12 @@ class Replay:
 
     def predict(self, theta: FloatArray, m: int) -> FloatArray:
         """Observer replay (n, c): each sample predicted from those before it, with the same gains for every theta."""
-        return self._run(theta, m, GAINS, 0)
+        return self._run(theta, m, self.gains, 0)
 
     def free_run(self, theta: FloatArray, m: int, horizon_s: float | None = None) -> FloatArray:
         """Free run (n, c); with ``horizon_s`` it restarts so often at the measured wheel speeds, speed and yaw rate."""
         horizon = 0 if horizon_s is None else max(round(horizon_s / SAMPLE_TIME_S), 1)
-        return self._run(theta, m, np.zeros(4), horizon)
+        return self._run(theta, m, _FREE, horizon)
 
     def states(self, theta: FloatArray, m: int) -> dict[str, FloatArray]:
         """States of the observer replay over which residuals are looked at, name -> (n,): speed, slips, loads, …"""
@@ -160,7 +171,7 @@ class Replay:
         chosen = np.array([OUTPUTS.index(name) for name in SHOWN_STATES])
         deviations = self.deviations_at(theta)
         pressures = self.wheel_pressures(deviations, prepared)
-        values = self.car_outputs(deviations, prepared, pressures, GAINS, 0, chosen)
+        values = self.car_outputs(deviations, prepared, pressures, self.gains, 0, chosen)
         return {name: values[:, k] for k, name in enumerate(SHOWN_STATES)}
 
     def residuals(self, theta: FloatArray) -> list[FloatArray]:
@@ -316,7 +327,7 @@ class Replay:
         self,
         deviations: Mapping[str, float],
         prepared: Prepared,
-        gains: FloatArray = GAINS,
+        gains: FloatArray,
         horizon: int = 0,
         base: _Parts | None = None,
     ) -> _Parts:
@@ -327,7 +338,7 @@ class Replay:
         if base is not None and base.pressure_key == pressure_key:
             pressures = base.pressures
         else:
-            pressures = self.wheel_pressures(deviations, prepared, free=gains is not GAINS)
+            pressures = self.wheel_pressures(deviations, prepared, free=not gains.any())
         if base is not None and base.car_key == car_key:
             car = base.car
         else:
@@ -359,7 +370,7 @@ class Replay:
     ) -> FloatArray:
         """Derivatives (n, c, len(columns)) of one manoeuvre."""
         deviations = self.deviations_at(theta)
-        base = self._parts(deviations, prepared)
+        base = self._parts(deviations, prepared, self.gains)
         reported, count = self._reported(deviations, prepared, base), len(prepared.chosen)
         analytic = sensor_columns(deviations, prepared.signals[:count], base.car, prepared.carriers)
         result = np.zeros((*reported.shape, len(columns)))
@@ -372,7 +383,7 @@ class Replay:
                 return
             step = self._step_of(theta, column)
             changed = {**deviations, name: float(theta[column]) + step}
-            moved = self._reported(changed, prepared, self._parts(changed, prepared, base=base))
+            moved = self._reported(changed, prepared, self._parts(changed, prepared, self.gains, base=base))
             result[:, :, place] = (moved - reported) / step
 
         list(pool.map(derive_column, range(len(columns))))

@@ -25,7 +25,7 @@ SUBSTEPS = 5
 PRE_ROLL_SAMPLES = 80
 """Time before the first sample in which its inputs and its measured speed and yaw rate hold: all else settles."""
 
-GAIN_WHEEL, GAIN_SPEED, GAIN_YAW, GAIN_SPEED_BY_WHEELS = range(4)
+GAIN_WHEEL, GAIN_SPEED, GAIN_YAW, GAIN_SPEED_BY_WHEELS, DEAD_BAND_WHEEL = range(5)
 """Fixed gains of the observer per sample; the last one acts where no speed is measured."""
 
 _OUTPUTS = len(OUTPUTS)
@@ -97,7 +97,8 @@ def correct_states(
     along = count = 0.0
     for i in range(4):
         error = valid[i] * (measured[i] - full[i])
-        s.spin[i] = max(s.spin[i] + gains[GAIN_WHEEL] * error, 0.0)
+        beyond = error - min(max(error, -gains[DEAD_BAND_WHEEL]), gains[DEAD_BAND_WHEEL])
+        s.spin[i] = max(s.spin[i] + gains[GAIN_WHEEL] * beyond, 0.0)
         along += p.radius[i] * error
         count += valid[i]
     if valid[4] > 0.0:
@@ -153,7 +154,7 @@ def replay_run(
     inputs : (n, INPUTS)
     measured, valid : (n, 6) signals of ``CORRECTED`` and 1 where they hold
     start : (2,) speed and yaw rate at the first sample
-    gains : (4,) of the observer; zeros for a free run
+    gains : (5,) of the observer, the last the dead band of the wheel speeds [rad/s]; zeros for a free run
     horizon : samples after which a free run restarts at the measured speeds; 0 never
     sample_time : s
     chosen : (c,) outputs to keep
@@ -164,7 +165,8 @@ def replay_run(
     p, s = cars[car], memory[0]
     take_tables(s, tables)
     step = sample_time / SUBSTEPS
-    full, restart = np.zeros(_OUTPUTS), np.ones(4)
+    full, restart = np.zeros(_OUTPUTS), np.ones(5)
+    restart[DEAD_BAND_WHEEL] = 0.0
     take_inputs(s, inputs[0], inputs[0], 0.0)
     settle(p, s, start, step)
     for k in range(inputs.shape[0]):

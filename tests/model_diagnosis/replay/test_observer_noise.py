@@ -1,0 +1,63 @@
+"""What the sensors' noise does to the observer replay."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model_diagnosis.evidence.manoeuvre_library import LIBRARY
+from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.replay import Replay
+from signals.wheels import WHEELS
+from vehicle_model import load_vehicle
+from vehicle_model.vehicle_file import VehicleFile
+
+SETTLED = 200
+"""Samples after which the yaw rate that a start takes from noisy wheels is forgotten."""
+
+SPEEDS = tuple(f"wheel_speed_{wheel}" for wheel in WHEELS)
+
+
+@pytest.fixture(scope="module")
+def car() -> VehicleFile:
+    return load_vehicle("ekf_car")
+
+
+@pytest.fixture(scope="module")
+def quiet(car: VehicleFile) -> Manoeuvre:
+    """A stop at 4 m/s^2 as the replay drives it, without noise."""
+    planned = next(one for one in LIBRARY if one.name == "stop_medium")
+    time, inputs = planned.inputs("r")
+    channels = inputs | {"speed": np.full_like(time, planned.speed)}
+    channels |= {f"wheel_speed_{wheel}": channels["speed"] / getattr(car.wheels, wheel).radius for wheel in WHEELS}
+    blank = Manoeuvre("stop", time, channels, {name: np.ones_like(time) for name in channels}, "made for a test")
+    replay = Replay(car, [blank])
+    run = replay.free_run(np.zeros(len(replay.columns)), 0)
+    made = {signal: run[:, place] for place, signal in enumerate(replay.signals(0)) if signal in ("speed", *SPEEDS)}
+    return replace(blank, channels=channels | made)
+
+
+def _predicted(car: VehicleFile, drive: Manoeuvre, noise_stds: float) -> np.ndarray:
+    """Predicted wheel speeds (n, 4) with so much noise of their sensors on the measured ones."""
+    random, noisy = np.random.default_rng(5), dict(drive.channels)
+    for name in SPEEDS:
+        std = Replay(car, []).sensor_std(name)
+        noisy[name] = noisy[name] + noise_stds * std * np.clip(random.standard_normal(drive.samples), -1.9, 1.9)
+    replay = Replay(car, [replace(drive, channels=noisy)])
+    places = [replay.signals(0).index(name) for name in SPEEDS]
+    return replay.predict(np.zeros(len(replay.columns)), 0)[SETTLED:, places]
+
+
+def test_ordinary_noise_of_a_wheel_speed_moves_no_predicted_wheel(car: VehicleFile, quiet: Manoeuvre) -> None:
+    """Else the wheel that forgets the noise soonest would be predicted best: a wrong inertia, differential or lag."""
+    np.testing.assert_allclose(_predicted(car, quiet, 1.0), _predicted(car, quiet, 0.0), atol=1e-3)
+
+
+def test_what_is_no_noise_corrects_the_wheels(car: VehicleFile, quiet: Manoeuvre) -> None:
+    """At three times the noise, cut at 1.9 of its own, the part beyond two deviations has a deviation of 1.4 of one.
+
+    A gain of 0.3 puts it on the wheel, and the tyre takes most of it back before the next sample.
+    """
+    moved = _predicted(car, quiet, 3.0) - _predicted(car, quiet, 0.0)
+    put = 0.3 * 1.4 * Replay(car, []).sensor_std(SPEEDS[0])
+    assert 0.1 * put < np.std(moved) < put
