@@ -63,7 +63,7 @@ def test_roll_stiffness_counts_the_sprung_mass() -> None:
 
 
 def filtered_loads(measured: dict[str, np.ndarray], roll_sign: float) -> np.ndarray:
-    """Loads after (15c) of the three-sensor filter at 70 km/h with Q_A; ``roll_sign`` -1 is (10) in the place of (10c)."""
+    """Loads after (15c) of the three-sensor filter at 70 km/h with Q_A; ``roll_sign`` -1 is (10) instead of (10c)."""
     x, p, r = np.zeros(4), np.diag([0.1, 0.01, 1e-4, 1e-3]), np.diag(np.square([0.05, 0.002, 0.005]))
     angles = measured["steering_wheel_angle"] / 17.0
     before, loads = angles[0], np.zeros((len(angles), 4))
