@@ -12,7 +12,7 @@ import pytest
 SEEDS = range(10)
 
 
-@pytest.mark.parametrize("road", ["dry", "ice_polished"])
+@pytest.mark.parametrize("road", ["dry", pytest.param("ice_polished", marks=pytest.mark.nightly)])
 def test_twice_the_sub_steps_move_the_mean_stop_by_less_than_a_percent(judged: Any, road: str) -> None:
     def stopping_distance(sub_steps: int, seed: int) -> float:
         run = judged(f"stops/{road}", sets={"plant_options.wheel_substeps": sub_steps}, seed=seed)

@@ -98,6 +98,7 @@ def _names(term: DiscoveredTerm) -> frozenset[str]:
     return frozenset([*([term.candidate.force] if term.candidate.force else []), *term.candidate.variables])
 
 
+@pytest.mark.nightly
 def test_five_kinds_of_unknown_terms_are_named_and_clean_data_says_nothing() -> None:
     """Right variables in at least 85 % of 10 hidden terms, two of each kind; no term in 4 clean cars."""
     right, wrong = 0, []

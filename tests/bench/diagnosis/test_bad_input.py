@@ -130,9 +130,7 @@ def test_what_cannot_be_diagnosed_is_refused_in_words(
     assert not (tmp_path / "out" / "diagnosis.json").exists()
 
 
-SURPLUS = (
-    "a single log of a healthy car of another form still gets a cause: a whole log's clock offset is not found from it"
-)
+SURPLUS = "a single log of a healthy car of another form got a cause when its clock offset was found only roughly"
 
 
 def _open(*values: object, run: bool = True) -> object:

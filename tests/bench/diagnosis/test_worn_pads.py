@@ -10,6 +10,8 @@ from bench.diagnosis.vehicle_fitting import fit
 from model_diagnosis.result import Diagnosis
 from vehicle_model.vehicle_file import load_vehicle
 
+pytestmark = pytest.mark.nightly
+
 
 @pytest.fixture(scope="module")
 def folder(worn_drive: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
