@@ -11,7 +11,9 @@ from estimators.vehicle_state_record import BUFFER, CURVED, LINEAR, LOG_ROWS
 _GROWTH = 1.02
 """Slip by which the data have to grow before a fit that was refused is tried again."""
 _TOLERANCE = 0.95
+"""Part of the slip that a curve asks for, from which on its fit is taken."""
 _STIFFNESS_STEP = 1.05
+"""Ratio of neighbouring stiffnesses in the search for the stiffest curve that explains the data."""
 _LEARNING = 0.3
 """Part of a new fit in the stiffness that the earlier fits of a wheel told, as a mean of 1 / B."""
 

@@ -43,7 +43,7 @@ from estimators.vehicle_state_settings import (
     StateSettings,
     state_inputs,
 )
-from estimators.vehicle_state_tick import forget_state, observe
+from estimators.vehicle_state_tick import ObserverParts, forget_state, observe
 
 _LISTING_NOISE = {"process_lateral_speed": 0.01, "process_yaw_rate": 0.1, "process_slope": 0.1}
 _CONSISTENT_NOISE = {"process_lateral_speed": 1e-6, "process_yaw_rate": 1e-5, "process_slope": 1e-3}
@@ -55,59 +55,22 @@ _DRIVEN = {"front": (0.5, 0.5, 0.0, 0.0), "rear": (0.0, 0.0, 0.5, 0.5)}
 
 @njit(cache=True)
 def _tick(
-    s_rows: Any,
-    curves: Any,
-    memory: Any,
-    pairs: FloatArray,
-    scratch: FloatArray,
-    log: FloatArray,
-    logged: FloatArray,
-    car_rows: Any,
-    steering: FloatArray,
-    t_rows: Any,
-    guard: FloatArray,
-    positions: IntArray,
+    parts: ObserverParts,
     everything: FloatArray,
     places: IntArray,
     inputs: FloatArray,
     ages: FloatArray,
     out: FloatArray,
 ) -> None:
-    active = observe(
-        s_rows,
-        curves,
-        memory,
-        pairs,
-        scratch,
-        log,
-        logged,
-        car_rows,
-        steering,
-        t_rows,
-        guard,
-        positions,
-        inputs,
-        ages,
-    )
-    write_results(s_rows, curves, memory, t_rows, active, everything)
+    active = observe(parts, inputs, ages)
+    write_results(parts.state, parts.curves, parts.memory, parts.tuning, active, everything)
     for k in range(places.shape[0]):
         out[k] = everything[places[k]]
 
 
 @njit(cache=True)
 def _tick_rows(
-    s_rows: Any,
-    curves: Any,
-    memory: Any,
-    pairs: FloatArray,
-    scratch: FloatArray,
-    log: FloatArray,
-    logged: FloatArray,
-    car_rows: Any,
-    steering: FloatArray,
-    t_rows: Any,
-    guard: FloatArray,
-    positions: IntArray,
+    parts: ObserverParts,
     everything: FloatArray,
     places: IntArray,
     inputs: FloatArray,
@@ -116,8 +79,7 @@ def _tick_rows(
 ) -> None:
     """A tick for every row of recorded blocks; arrays of shape (n, width)."""
     for k in range(inputs.shape[0]):
-        _tick(s_rows, curves, memory, pairs, scratch, log, logged, car_rows, steering, t_rows, guard, positions,
-              everything, places, inputs[k], ages[k], out[k])  # fmt: skip
+        _tick(parts, everything, places, inputs[k], ages[k], out[k])
 
 
 class StateObserver(Estimator):
@@ -159,7 +121,7 @@ class StateObserver(Estimator):
         inputs = state_inputs(settings)
         self._guard, self._positions = input_guard(inputs, settings.input_timeout)
         super().__init__(self.estimator_name, inputs, sample_time_s)
-        self._bound = (
+        parts = ObserverParts(
             self._rows,
             self._curves,
             self._memory,
@@ -172,9 +134,9 @@ class StateObserver(Estimator):
             self._tuning,
             self._guard,
             self._positions,
-            np.zeros(len(ALL_OUTPUTS)),
-            np.array(positions_of(self.written), dtype=np.int64),
         )
+        places = np.array(positions_of(self.written), dtype=np.int64)
+        self._bound = parts, np.zeros(len(ALL_OUTPUTS)), places
         self._outside_solver = fit.optimiser == "slsqp"
         compiled = partial(_tick, *self._bound)
         self.tick = partial(self._tick_with_solver, compiled, fit) if self._outside_solver else compiled

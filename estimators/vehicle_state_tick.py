@@ -6,7 +6,7 @@ measured yaw rate, the speed of the odometer.
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from numba import njit
 
@@ -49,6 +49,23 @@ _STANDING = 0.1
 _FIRST_FRAMES = 0.05
 _LONGEST_EXTRAPOLATION = 0.02
 _FASTEST_STEERING = 25.0
+
+
+class ObserverParts(NamedTuple):
+    """What a compiled tick works on, in place."""
+
+    state: Any
+    curves: Any
+    memory: Any
+    pairs: FloatArray
+    scratch: FloatArray
+    log: FloatArray
+    logged: FloatArray
+    car: Any
+    steering: FloatArray
+    tuning: Any
+    guard: FloatArray
+    positions: IntArray
 
 
 @njit(cache=True)
@@ -215,9 +232,9 @@ def _measured_slip(s: Any, car: Any, i: int) -> float:
 
 
 @njit(cache=True)
-def _gather_pairs(s: Any, curves: Any, pairs: FloatArray, scratch: FloatArray, log: FloatArray, logged: FloatArray,
-                  car: Any, t: Any, step_due: bool) -> None:  # fmt: skip
+def _gather_pairs(parts: ObserverParts, step_due: bool) -> None:
     """Slip and friction of every wheel and direction for the fits, once per step of the lateral filter."""
+    s, car, t, curves, pairs = parts.state[0], parts.car[0], parts.tuning[0], parts.curves, parts.pairs
     for i in range(4):
         s.sum_slip[i] += _measured_slip(s, car, i) if t.measured_slip == 1 else s.slip[i]
         s.sum_used[i] += s.slope[i] * s.slip[i]
@@ -230,12 +247,12 @@ def _gather_pairs(s: Any, curves: Any, pairs: FloatArray, scratch: FloatArray, l
         s.pair_used[i] += t.pair_weight * (mean_used - s.pair_used[i])
         if s.lateral_runs == 1 and s.rejected_y == 0:
             observe_pair(
-                curves[i], pairs[i, 0], pairs[i, 1], scratch, log, logged, i, s.filtered_alpha[i],
+                curves[i], pairs[i, 0], pairs[i, 1], parts.scratch, parts.log, parts.logged, i, s.filtered_alpha[i],
                 s.wheel_friction[i], abs(s.alpha[i]), s.time, t,
             )  # fmt: skip
         if s.running_time >= t.settling_time and s.longitudinal_runs == 1 and s.braking == 0:
             observe_pair(
-                curves[4 + i], pairs[4 + i, 0], pairs[4 + i, 1], scratch, log, logged, 4 + i,
+                curves[4 + i], pairs[4 + i, 0], pairs[4 + i, 1], parts.scratch, parts.log, parts.logged, 4 + i,
                 s.pair_slip[i], s.pair_used[i], 0.0, s.time, t,
             )  # fmt: skip
 
@@ -257,26 +274,12 @@ def _stand(s: Any, t: Any, guard: FloatArray) -> None:
 
 
 @njit(cache=True)
-def observe(
-    s_rows: Any,
-    curves: Any,
-    m: Any,
-    pairs: FloatArray,
-    scratch: FloatArray,
-    log: FloatArray,
-    logged: FloatArray,
-    car_rows: Any,
-    steering: FloatArray,
-    t_rows: Any,
-    guard: FloatArray,
-    positions: IntArray,
-    inputs: FloatArray,
-    ages: FloatArray,
-) -> bool:
+def observe(parts: ObserverParts, inputs: FloatArray, ages: FloatArray) -> bool:
     """Advance all observers that work by a tick; False while they cannot."""
-    s, car, t = s_rows[0], car_rows[0], t_rows[0]
+    s, car, t, m = parts.state[0], parts.car[0], parts.tuning[0], parts.memory
+    curves, guard = parts.curves, parts.guard
     s.time += t.dt
-    s.verdict = accept_inputs(guard, positions, inputs, ages, t.dt)
+    s.verdict = accept_inputs(guard, parts.positions, inputs, ages, t.dt)
     if s.verdict == INPUTS_LOST:
         if s.started == 1:
             forget_state(s, curves, m, car, t)
@@ -287,8 +290,8 @@ def observe(
     if s.started == 0 or t.lateral == 0:
         s.w_z = yaw_rate
     wheel_angle = _steering_now(s, guard[IN_STEERING, VALUE], t)
-    s.theta[0] = mirrored(road_wheel_angle(wheel_angle, steering, 2))
-    s.theta[1] = mirrored(road_wheel_angle(wheel_angle, steering, 1))
+    s.theta[0] = mirrored(road_wheel_angle(wheel_angle, parts.steering, 2))
+    s.theta[1] = mirrored(road_wheel_angle(wheel_angle, parts.steering, 1))
     _read_wheels(s, guard, car, t)
     _read_torques(s, guard, car, t)
     if s.started == 0:
@@ -309,7 +312,7 @@ def observe(
             forget_state(s, curves, m, car, t)
             s.resets += 1
             return False
-    _gather_pairs(s, curves, pairs, scratch, log, logged, car, t, step_due)
+    _gather_pairs(parts, step_due)
     if t.grade == 1 and s.moving == 1:
         follow_pitch(s, car, t)
         if s.braking == 0 or t.brakes == 1:

@@ -57,7 +57,7 @@ class Localisation:
 
 
 def localise(replay: Replay, base: Base, theta: FloatArray, seed: int = 0) -> Localisation:
-    """Violated equations of a replay at theta (p,), the fit of "nothing"."""
+    """Violated equations: by equation error at theta (p,), the fit of "nothing"; by innovations at the vehicle file."""
     temperature, manoeuvres = base.problem.whitener.temperature, range(len(replay.manoeuvres))
     # at the vehicle file: the fit of "nothing" has shared the guilt already, a wheel's weak brake with its neighbour's
     # strong one, and what is linear about it cannot tell them apart any more

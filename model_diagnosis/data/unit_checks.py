@@ -17,6 +17,9 @@ from model_diagnosis.replay.smoothing import noise_of
 from model_diagnosis.result import DataFault
 from signals.wheels import WHEELS
 
+_LEAST_SAMPLES = 30
+"""Valid samples (0.3 s) below which a level or a spread says nothing."""
+
 CORRELATED = 0.8
 _ANGLE = {"degrees for radians": 57.29577951308232}
 _SPEED = {"km/h for m/s": 3.6, "mph for m/s": 2.2369362920544, "knots for m/s": 1.9438444924406}
@@ -98,7 +101,7 @@ def _turns(twin: Twin) -> bool:
     """True where both sides change by more than their noise: straight on, a chance correlation is as good as any."""
     return all(
         any(
-            v.sum() > 30 and float(np.std(slow(side)[v])) > noise_of(side)
+            v.sum() > _LEAST_SAMPLES and float(np.std(slow(side)[v])) > noise_of(side)
             for side, v in zip(sides, twin.valid, strict=True)
         )
         for sides in (twin.left, twin.right)
@@ -114,7 +117,7 @@ def _ratio_of_changes(twin: Twin, shift: int) -> float:
     left_power = right_power = 0.0
     for left, right, valid in _rows(twin):
         mask = valid & np.roll(valid, shift)
-        if mask.sum() < 30:
+        if mask.sum() < _LEAST_SAMPLES:
             continue
         a, b = slow(left)[mask], np.roll(slow(right), shift)[mask]
         left_power += float(np.sum((a - a.mean()) ** 2))
