@@ -4,16 +4,26 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+RUNS := $(VENV)/.runs
 
 .PHONY: demo test vcan lint benchmark nightly clean
 
+# what follows it is installed; Python compiles what it imports
+define install
+$(PYTHON) -m venv $(VENV)
+$(BIN)/pip install --quiet --upgrade pip
+$(BIN)/pip install --quiet --no-compile --editable
+endef
+
 $(STAMP): pyproject.toml
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --upgrade pip
-	$(BIN)/pip install --quiet --no-compile --editable '.[test]'  # Python compiles what it imports
+	$(install) '.[test]'
+	touch $@ $(RUNS)
+
+$(RUNS): pyproject.toml
+	$(install) .
 	touch $@
 
-demo: $(STAMP)
+demo: $(RUNS)
 	$(BIN)/bench run friction/e4_abs_dry_95
 
 test: $(STAMP)

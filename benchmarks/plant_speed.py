@@ -1,4 +1,4 @@
-"""Speed of the plant: 20 s of driving with a hard stop, one call per tick and part from Python, best of five.
+"""Speed of the plant: 20 s of driving with a hard stop, one call per tick from Python, best of five.
 
     python -m benchmarks.plant_speed [--vehicle ekf_car] [--ticks 20000] [--tyres tmeasy lugre …]
 
@@ -22,6 +22,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from bench.loop.quiet_tick import Car
 from hydraulics import HydraulicUnit
 from signals.catalogue import block_slice
 from signals.vector import SignalVector
@@ -117,15 +118,16 @@ def on_tyres(vehicle: str, tyres: str) -> VehicleFile:
 def full_run(vehicle: VehicleFile) -> Run:
     """The same with hydraulic unit, whose valves move as under an ABS, and all sensors."""
     vector, bus = SignalVector(), block_slice("bus")
-    car, unit, sensors = Plant(vehicle), HydraulicUnit(vehicle.numbers()), Sensors(vehicle, 1)
-    car.bind(vector.block("plant"))
-    values, pressures, sensed = vector.values, vector.block("hydraulics"), np.zeros(bus.stop - bus.start)
-    first = vector.index("brake_torque_capacity_fl"), vector.index("true_wheel_speed_fl")
-    torque, wheel_speed = (values[index : index + 4] for index in first)
-    inlet, outlet, drive, time_place = np.zeros(4), np.zeros(4), np.zeros(4), vector.index("time")
+    plant, unit, sensors = Plant(vehicle), HydraulicUnit(vehicle.numbers()), Sensors(vehicle, 1)
+    plant.bind(vector.block("plant"))
+    car = Car(vector, np.zeros(bus.stop - bus.start), unit, plant, sensors)
+    values, index = vector.values, vector.index
+    inlet, outlet = (values[index(name) : index(name) + 4] for name in ("valve_inlet_fl", "valve_outlet_fl"))
+    values[index("driver_steering_wheel_angle")], values[index("pump")] = 0.02, 1.0
+    master_pressure, time_place = index("driver_master_pressure"), index("time")
 
     def run(ticks: int) -> None:
-        car.reset(speed_m_s=40.0)
+        plant.reset(speed_m_s=40.0)
         unit.reset()
         sensors.reset()
         for tick in range(ticks):
@@ -133,9 +135,8 @@ def full_run(vehicle: VehicleFile) -> Run:
             if tick % 50 == 0:  # build up, hold, release
                 inlet[:] = tick % 150 != 0
                 outlet[:] = tick % 150 == 100
-            unit.tick(6e6 if tick > ticks // 4 else 0.0, inlet, outlet, 1.0, pressures, wheel_speed)
-            car.tick(torque, drive, 0.02, tick * 1e-3)
-            sensors.tick(values, tick * 1e-3, sensed)
+                values[master_pressure] = 6e6 if tick > ticks // 4 else 0.0
+            car.tick(tick * 1e-3)
 
     return run
 

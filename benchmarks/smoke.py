@@ -14,7 +14,7 @@ def main() -> None:
     """Plant, closed loop, real-time loop and CAN bits, a few seconds each."""
     seconds = plant_speed.best_time("ekf_car", PLANT_TICKS)
     print(f"plant alone: {PLANT_TICKS * 1e-3 / seconds:.0f} x real time (goal {plant_speed.GOAL:.0f})")
-    factors = closed_loop_speed.real_time_factor("friction/e4_abs_dry_95", 3)
+    factors = closed_loop_speed.real_time_factor("stops/dry", 3)
     print(f"closed loop: {max(factors):.1f} x real time (goal {closed_loop_speed.GOAL:.0f})")
     with tempfile.TemporaryDirectory() as folder:
         measured = real_time_lateness.alternate(Path(folder), 1, SLICE_S, fifo=True, dashboard=False)

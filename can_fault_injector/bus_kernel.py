@@ -177,17 +177,6 @@ def _at_data_rate(states: Rows) -> bool:
 
 
 @njit(cache=True)
-def _prepare_log(events: Rows, counters: Rows, node: int, level: int, s: State, place: int, number: int) -> None:
-    """Write what an event of this bit needs to know of the time before it into the next free row."""
-    row = events[counters[C_EVENTS]]
-    row[E_BIT], row[E_NODE], row[E_LEVEL] = counters[C_BITS], node, level
-    row[E_TRANSMITTER], row[E_EXTENDED] = s[ns.TRANSMITTER], s[ns.EXTENDED]
-    row[E_PLACE], row[E_NUMBER] = place, number
-    in_frame = s[ns.PHASE] == ns.FRAME
-    row[E_FIELD], row[E_INDEX] = (s[ns.FIELD], s[ns.INDEX]) if in_frame else (place, number)
-
-
-@njit(cache=True)
 def _log(events: Rows, counters: Rows, event: int, kind: int, s: State) -> None:
     """Complete the prepared row; the next one begins as its copy, for further events of the same bit."""
     at = counters[C_EVENTS]
@@ -230,14 +219,22 @@ def sample_node(
     # the state may change by this bit only, so the old one is told from the new by what was true before
     passive, warned, off = is_passive(s), is_warned(s), s[ns.PHASE] == ns.BUS_OFF
     place, number = place_of(s, codes, numbers)
-    _prepare_log(events, counters, node, level, s, place, number)
+    transmitter, is_extended = s[ns.TRANSMITTER], s[ns.EXTENDED]
+    field, index = (s[ns.FIELD], s[ns.INDEX]) if s[ns.PHASE] == ns.FRAME else (place, number)
     sample(s, data[node], queues[node], passive_row, bits, codes, extended, level)
     event = s[ns.EVENT]
+    went_off = s[ns.PHASE] == ns.BUS_OFF
+    if event == ns.NO_EVENT and went_off == off and is_warned(s) == warned and is_passive(s) == passive:
+        return
+    row = events[counters[C_EVENTS]]
+    row[E_BIT], row[E_NODE], row[E_LEVEL] = counters[C_BITS], node, level
+    row[E_TRANSMITTER], row[E_EXTENDED], row[E_PLACE], row[E_NUMBER] = transmitter, is_extended, place, number
+    row[E_FIELD], row[E_INDEX] = field, index
     if event != ns.NO_EVENT:
         _log(events, counters, event, s[ns.ERROR_KIND] if event == ns.ERROR else 0, s)
     if event == ns.RECEIVED:
         _store(received, payloads, counters, node, s, data[node])
-    if s[ns.PHASE] == ns.BUS_OFF or off:
+    if went_off or off:
         if not off:
             _log(events, counters, ns.WENT_BUS_OFF, 0, s)
         return

@@ -131,39 +131,31 @@ def _sweep_nodes(
     wiring = np.zeros((0, nodes), np.uint8)
     levels, trace, driven = np.zeros((0, 1), np.uint8), np.zeros((0, 1), np.int16), np.zeros(0, np.uint8)
     bit_times, counters = np.ones(2, np.int64), np.zeros(4, np.int64)
+    # up to the disturbed bit all cases of a position are one: run once, bit by bit, and gone on from there
+    before, before_data = np.empty((positions, *start.shape), np.int64), np.zeros((positions, nodes, 64), np.uint8)
+    before_counters, undisturbed = np.zeros((positions, 4), np.int64), np.zeros_like(received)
+    states[:] = start
+    for position in range(positions):
+        before[position], before_data[position], before_counters[position] = states, data, counters
+        kernel.run_bits(
+            1, states, data, queues, passive_row, bits, codes, numbers, extended, identifiers, disturbances, wiring,
+            driven, 0, bit_times, False, events, undisturbed, payloads, counters, levels, trace,
+        )  # fmt: skip
     for position in range(positions):
         for action in range(ACTIONS):
             for receiver in range(1, nodes):
-                states[:] = start
-                counters[:], d[:] = 0, 0
+                states[:], data[:], counters[:] = before[position], before_data[position], before_counters[position]
+                received[:] = undisturbed
+                d[:] = 0
                 d[kernel.D_TAP], d[kernel.D_NODE], d[kernel.D_ACTION] = kernel.TAP_RECEIVE, receiver, action
                 d[kernel.D_TRIGGER], d[kernel.D_START] = kernel.AT_BIT, position
                 d[kernel.D_REPEAT], d[kernel.D_LENGTH] = 1, 1
                 row = outcomes[position, action, receiver - 1]
-                row[nodes] = kernel.run_bits(
-                    limit,
-                    states,
-                    data,
-                    queues,
-                    passive_row,
-                    bits,
-                    codes,
-                    numbers,
-                    extended,
-                    identifiers,
-                    disturbances,
-                    wiring,
-                    driven,
-                    0,
-                    bit_times,
-                    True,
-                    events,
-                    received,
-                    payloads,
-                    counters,
-                    levels,
+                row[nodes] = position + kernel.run_bits(
+                    limit - position, states, data, queues, passive_row, bits, codes, numbers, extended, identifiers,
+                    disturbances, wiring, driven, 0, bit_times, True, events, received, payloads, counters, levels,
                     trace,
-                )
+                )  # fmt: skip
                 for i in range(counters[kernel.C_RECEIVED]):
                     row[received[i, 1]] += 1
                 row[0] = states[0, ns.TRANSMIT_ERRORS]

@@ -10,38 +10,20 @@ from hydraulics.record import PARAMETER_RECORD
 from hydraulics.state import STATE_RECORD
 from signals.record_memory import addresses_at, numbers_at, record_at
 
-AT_PARAMETERS, AT_STATE, AT_INLET, AT_OUTLET, AT_WHEEL_SPEED, AT_OUT = range(6)
-"""Places in the list of addresses: two records, then arrays of float64."""
-ADDRESSES = 6
+AT_PARAMETERS, AT_STATE, AT_INLET, AT_OUTLET, AT_WHEEL_SPEED, AT_OUT, FIRST_ORDER = range(7)
+"""Places in the list of addresses: two records, then arrays of float64; last, 1 for the brake of eq. 79."""
+PLACES = 7
 
 
 @njit(cache=True)
-def hcu_tick(memory: int, master_pressure: float, pump_on: float) -> None:
-    """`pressure.hcu_step` with its records and arrays from the list of addresses at ``memory``."""
+def hydraulics_tick(memory: int, master_pressure: float, pump_on: float) -> None:
+    """`pressure.hcu_step` or `first_order.first_order_step` on what the list of addresses at ``memory`` names."""
     places: Any = addresses_at(memory)
-    hcu_step(
-        record_at(places[AT_PARAMETERS], PARAMETER_RECORD),
-        record_at(places[AT_STATE], STATE_RECORD),
-        numbers_at(places[AT_INLET]),
-        numbers_at(places[AT_OUTLET]),
-        numbers_at(places[AT_WHEEL_SPEED]),
-        numbers_at(places[AT_OUT]),
-        master_pressure,
-        pump_on,
-    )
-
-
-@njit(cache=True)
-def first_order_tick(memory: int, master_pressure: float, pump_on: float) -> None:
-    """`first_order.first_order_step` with its records and arrays from the list of addresses at ``memory``."""
-    places: Any = addresses_at(memory)
-    first_order_step(
-        record_at(places[AT_PARAMETERS], PARAMETER_RECORD),
-        record_at(places[AT_STATE], STATE_RECORD),
-        numbers_at(places[AT_INLET]),
-        numbers_at(places[AT_OUTLET]),
-        numbers_at(places[AT_WHEEL_SPEED]),
-        numbers_at(places[AT_OUT]),
-        master_pressure,
-        pump_on,
-    )
+    parameters = record_at(places[AT_PARAMETERS], PARAMETER_RECORD)
+    state = record_at(places[AT_STATE], STATE_RECORD)
+    inlet, outlet = numbers_at(places[AT_INLET]), numbers_at(places[AT_OUTLET])
+    wheel_speed, out = numbers_at(places[AT_WHEEL_SPEED]), numbers_at(places[AT_OUT])
+    if places[FIRST_ORDER] != 0:
+        first_order_step(parameters, state, inlet, outlet, wheel_speed, out, master_pressure, pump_on)
+    else:
+        hcu_step(parameters, state, inlet, outlet, wheel_speed, out, master_pressure, pump_on)

@@ -1,7 +1,7 @@
 """The hydraulic unit of a car: parameters by name around the compiled model."""
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +11,15 @@ from hydraulics.record import PARAMETER_RECORD, fill_record
 from hydraulics.selection_logic import LOGICS, SelectionLogic
 from hydraulics.state import STATE_RECORD
 from hydraulics.tick import (
-    ADDRESSES,
     AT_INLET,
     AT_OUT,
     AT_OUTLET,
     AT_PARAMETERS,
     AT_STATE,
     AT_WHEEL_SPEED,
-    first_order_tick,
-    hcu_tick,
+    FIRST_ORDER,
+    PLACES,
+    hydraulics_tick,
 )
 from signals.catalogue import block_slice
 from signals.errors import InputError, unknown_name
@@ -49,6 +49,11 @@ class HydraulicUnit:
     ------
     InputError
         If a required parameter is missing, a value is out of range, or a choice is unknown.
+
+    Attributes
+    ----------
+    address : int
+        Of the memory that `hydraulics.tick.hydraulics_tick` works on, for compiled callers.
     """
 
     def __init__(
@@ -67,11 +72,11 @@ class HydraulicUnit:
         fill_record(self._values, self._parameters)
         self.selection_logic = _logic(selection_logic)
         self._parameters[0]["logic"][:] = self.selection_logic.table.reshape(-1)
-        self._step: Any = hcu_tick if brake == "hcu" else first_order_tick
-        self._addresses = np.zeros(ADDRESSES, np.int64)
+        self._addresses = np.zeros(PLACES, np.int64)
         self._addresses[AT_PARAMETERS] = self._parameters.ctypes.data
         self._addresses[AT_STATE] = self._state.ctypes.data
-        self._memory = self._addresses.ctypes.data
+        self._addresses[FIRST_ORDER] = brake == "first_order"
+        self.address = int(self._addresses.ctypes.data)
         self._inlet = self._outlet = self._wheel_speed = self._out = np.zeros(0)
         self.reset()
 
@@ -112,10 +117,10 @@ class HydraulicUnit:
             or wheel_speed is not self._wheel_speed
             or out is not self._out
         ):
-            self._take(valve_inlet, valve_outlet, wheel_speed, out)
-        self._step(self._memory, master_pressure_pa, pump)
+            self.bind(valve_inlet, valve_outlet, wheel_speed, out)
+        hydraulics_tick(self.address, master_pressure_pa, pump)
 
-    def _take(
+    def bind(
         self,
         inlet: NDArray[np.float64],
         outlet: NDArray[np.float64],

@@ -174,7 +174,8 @@ def _convert(value: Any, unit: str) -> Any:
 class FileModel(BaseModel):
     """Base of everything that is read from a file: unknown fields are errors, quantities may carry units."""
 
-    model_config = ConfigDict(extra="forbid", validate_default=False, allow_inf_nan=False)
+    # most parts of a file are only ever read as part of the whole: they need no validator of their own
+    model_config = ConfigDict(extra="forbid", validate_default=False, allow_inf_nan=False, defer_build=True)
 
     @field_validator("*", mode="before")
     @classmethod

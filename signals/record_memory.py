@@ -7,9 +7,10 @@ compiled functions a pointer is cheaper than an array too: arrays are counted in
 
 from typing import Any
 
+import numba
 import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
@@ -71,6 +72,46 @@ def address_in(typing_context: Any, row: Any, place: Any) -> Any:
         return builder.ptrtoint(builder.gep(first, [arguments[1]]), cgutils.intp_t)
 
     return types.intp(row, types.intp), generate
+
+
+@njit(cache=True)
+def matrix_in(table: Any, place: int) -> Any:
+    """Float64 matrix of a place in what `table_of` gave."""
+    return numba.carray(pointer(table[3 * place]), (table[3 * place + 1], table[3 * place + 2]), numba.float64)
+
+
+@njit(cache=True)
+def row_in(table: Any, place: int) -> Any:
+    """Float64 row of a place in what `table_of` gave."""
+    return numba.carray(pointer(table[3 * place]), table[3 * place + 1], numba.float64)
+
+
+@njit(cache=True)
+def whole_matrix_in(table: Any, place: int) -> Any:
+    """Int64 matrix of a place in what `table_of` gave."""
+    return numba.carray(pointer(table[3 * place]), (table[3 * place + 1], table[3 * place + 2]), numba.int64)
+
+
+@njit(cache=True)
+def whole_row_in(table: Any, place: int) -> Any:
+    """Int64 row of a place in what `table_of` gave."""
+    return numba.carray(pointer(table[3 * place]), table[3 * place + 1], numba.int64)
+
+
+def table_of(*arrays: NDArray[np.float64] | NDArray[np.int64]) -> NDArray[np.int64]:
+    """Address and shape of rows and matrices, three numbers each; their owner has to keep them where they are.
+
+    Raises
+    ------
+    ValueError
+        If one is not of consecutive float64 or int64, or has more than two dimensions.
+    """
+    table = np.zeros((len(arrays), 3), np.int64)
+    for entry, array in zip(table, arrays, strict=True):
+        if array.dtype not in (np.float64, np.int64) or array.ndim not in (1, 2) or not array.flags.c_contiguous:
+            raise ValueError(f"found {array.dtype} of shape {array.shape}, allowed: rows or matrices without gaps")
+        entry[0], entry[1 : 1 + array.ndim] = array.ctypes.data, array.shape
+    return table.ravel()
 
 
 def addresses_of(*arrays: NDArray[Any]) -> NDArray[np.int64]:

@@ -7,9 +7,10 @@ clutch before the engine would be stalled.
 import math
 from typing import Any
 
+import numba
 from numba import njit
 
-from signals.record_memory import addresses_at, numbers_at, record_at
+from signals.record_memory import addresses_at, numbers_at, pointer, record_at
 from vehicle_model.driver_record import (
     ACCELERATE,
     BRAKE,
@@ -25,8 +26,8 @@ from vehicle_model.path_follower import steer
 # order of block "driver"
 PEDAL_FORCE, MASTER_PRESSURE, ACCELERATOR, CLUTCH, GEAR, STEERING = range(6)
 
-AT_COMMAND, AT_STATE, AT_VALUES = range(3)
-"""Places in the list of addresses: two records, then the signal vector."""
+AT_COMMAND, AT_STATE, AT_VALUES, AT_TABLE, TABLE_COLUMNS = range(5)
+"""Places in the list of addresses: two records, the signal vector, the steering table; then the table's columns."""
 
 _STANDSTILL_M_S = 0.5
 _RELEASE_RATE = 12.5  # of the accelerator, 1/s: the foot leaves it within 80 ms
@@ -188,21 +189,21 @@ def _brake(c: Any, s: Any, time: float) -> None:
 
 
 @njit(cache=True)
-def driver_step(memory: int, table: Any, time: float) -> None:
+def driver_step(memory: int, time: float) -> None:
     """Advance the driver by 1 ms.
 
     Parameters
     ----------
     memory
-        Address of the list of addresses ``AT_…``: records of ``COMMAND_RECORD`` and ``STATE_RECORD``, and the signal
-        vector, in which block "driver" and ``manoeuvre_phase`` are written.
-    table : shape (2, n)
-        Times and angles of a steering table.
+        Address of the list of addresses ``AT_…``: records of ``COMMAND_RECORD`` and ``STATE_RECORD``, the signal
+        vector, in which block "driver" and ``manoeuvre_phase`` are written, and times and angles of a steering table,
+        shape (2, n).
     time : s
     """
     places: Any = addresses_at(memory)
     c, s = record_at(places[AT_COMMAND], COMMAND_RECORD), record_at(places[AT_STATE], STATE_RECORD)
     values = numbers_at(places[AT_VALUES])
+    table = numba.carray(pointer(places[AT_TABLE]), (2, places[TABLE_COLUMNS]), numba.float64)
     speed, engine_speed = values[c.speed], values[c.true_engine_speed]
     if s.started == 0:
         _begin(c, s, speed)

@@ -11,7 +11,7 @@ from signals.errors import InputError, unknown_name
 from signals.record_memory import addresses_of
 from signals.vector import SignalVector
 from vehicle_model import driver_record as record
-from vehicle_model.driver import driver_step, gear_for_speed
+from vehicle_model.driver import AT_TABLE, TABLE_COLUMNS, driver_step, gear_for_speed
 from vehicle_model.interface import TIME_STEP_S
 from vehicle_model.manoeuvre_file import (
     Accelerate,
@@ -65,6 +65,11 @@ class Manoeuvre:
         If the car has more gears than the driver can count, or a step wants a gear that it lacks.
     FieldErrors
         If a condition names a signal or a phase that the run does not have.
+
+    Attributes
+    ----------
+    address : int
+        Of the memory that `driver.driver_step` works on, for compiled callers.
     """
 
     def __init__(
@@ -78,9 +83,10 @@ class Manoeuvre:
         self._vehicle = vehicle
         self._command: NDArray[np.void] = np.zeros(1, record.COMMAND_RECORD)
         self._state: NDArray[np.void] = np.zeros(1, record.STATE_RECORD)
-        self._addresses = addresses_of(self._command, self._state, self._values)
-        self._memory = self._addresses.ctypes.data
-        self._table = np.zeros((2, 1))
+        self._addresses = np.zeros(TABLE_COLUMNS + 1, np.int64)
+        self._addresses[:AT_TABLE] = addresses_of(self._command, self._state, self._values)
+        self.address = int(self._addresses.ctypes.data)
+        self._use_table(np.zeros((2, 1)))
         self._command[0]["initial_gear"] = _AUTO if initial_gear is None else initial_gear
         self._fill_places()
         self._fill_car()
@@ -107,6 +113,11 @@ class Manoeuvre:
         time_s
             Time of the run at the start of the tick, as in the vector.
         """
+        self.decide(time_s)
+        driver_step(self.address, time_s)
+
+    def decide(self, time_s: float) -> None:
+        """The first half of a tick: go on to the next step if it is time. The driver has not acted yet."""
         if self._number < 0:
             self._begin_step(0, time_s)
         elif self._ends is not None and self._ends(self._began_s):
@@ -115,7 +126,6 @@ class Manoeuvre:
             else:
                 self.finished = True
                 self._ends = None
-        driver_step(self._memory, self._table, time_s)
 
     @property
     def phase(self) -> str:
@@ -259,11 +269,15 @@ class Manoeuvre:
             row["hands"] = _FOLLOWED[steer.follow]
             row["path_radius"] = steer.radius or 0.0
             if steer.path is not None:
-                self._table = np.array([steer.path.x, steer.path.y])
+                self._use_table(np.array([steer.path.x, steer.path.y]))
         elif steer.profile is not None:
             self._fill_profile(steer.profile)
         else:
             row["hands"], row["angle"] = record.ANGLE, steer.angle or 0.0
+
+    def _use_table(self, table: NDArray[np.float64]) -> None:
+        self._table = np.ascontiguousarray(table, np.float64)
+        self._addresses[AT_TABLE], self._addresses[TABLE_COLUMNS] = self._table.ctypes.data, self._table.shape[1]
 
     def _fill_profile(self, profile: SteeringProfile) -> None:
         row = self._command[0]
@@ -272,7 +286,7 @@ class Manoeuvre:
             row["hands"], row["angle"], row["rate"] = record.ANGLE, change.angle, change.rate
         elif profile.table is not None:
             row["hands"] = record.TABLE
-            self._table = np.array([profile.table.time, profile.table.angle])
+            self._use_table(np.array([profile.table.time, profile.table.angle]))
         elif profile.sine is not None:
             row["hands"] = record.SINE
             row["amplitude"], row["frequency"] = profile.sine.amplitude, profile.sine.frequency

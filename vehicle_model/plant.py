@@ -75,6 +75,11 @@ class Plant(PlantAccess):
     ------
     InputError
         If the masses and inertias are those of no car, or the road names an unknown surface.
+
+    Attributes
+    ----------
+    address : int
+        Of the memory that `plant_step.advance` works on, for compiled callers.
     """
 
     time_step_s = TIME_STEP_S
@@ -109,7 +114,7 @@ class Plant(PlantAccess):
             self._write(section)
         self.outputs = np.zeros(len(PLANT_OUTPUTS))
         self._addresses = np.zeros(len(ADDRESS_NAMES), np.int64)
-        self._memory = self._addresses.ctypes.data
+        self.address = int(self._addresses.ctypes.data)
         self._take_addresses()
         self.reset(speed_m_s=0.0)
 
@@ -188,7 +193,7 @@ class Plant(PlantAccess):
         addresses |= {"model": self._model._address, "data": self._data._address}
         self._addresses[:] = [addresses[name] for name in ADDRESS_NAMES]
 
-    def _take_torques(self, brake: NDArray[np.float64], drive: NDArray[np.float64]) -> None:
+    def bind_torques(self, brake: NDArray[np.float64], drive: NDArray[np.float64]) -> None:
         """Read the torques from these arrays from now on: the same come tick by tick, so their addresses are kept."""
         places = numbers_address(brake, 4), numbers_address(drive, 4)
         self._addresses[_BRAKE_PLACE], self._addresses[_DRIVE_PLACE] = places
@@ -221,28 +226,28 @@ class Plant(PlantAccess):
         for wheel, place in enumerate(POSITION_STEER):
             q[place] = steering_angle(self._parameters[0], wheel, 0.0)
         self._state["yaw"] = yaw_angle_rad
-        solve_equilibrium(self._model, self._data, lambda: support_forces(self._memory, 0.0, time_s), yaw_angle_rad)
+        solve_equilibrium(self._model, self._data, lambda: support_forces(self.address, 0.0, time_s), yaw_angle_rad)
         mujoco.mj_forward(self._model, self._data)
         self._data.qfrc_applied[:] = 0.0
         v[0], v[1] = speed_m_s * np.cos(yaw_angle_rad), speed_m_s * np.sin(yaw_angle_rad)
         for wheel, place in enumerate(VELOCITY_SPIN):
             v[place] = speed_m_s / self._parameters["radius"][0, wheel]
-        refresh(self._memory, time_s)
+        refresh(self.address, time_s)
 
     def tick(
         self, brake_torque: NDArray[np.float64], drive_torque: NDArray[np.float64], steer: float, time_s: float
     ) -> None:
         """Advance by 1 ms (see ``vehicle_model.interface.Plant.tick``)."""
         if brake_torque is not self._brake_in or drive_torque is not self._drive_in:
-            self._take_torques(brake_torque, drive_torque)
-        advance(self._memory, steer, time_s, 1)
+            self.bind_torques(brake_torque, drive_torque)
+        advance(self.address, steer, time_s, 1)
 
     def step(self, n: int, *, brake_torque: ArrayLike = 0.0, drive_torque: ArrayLike = 0.0, steer: float = 0.0) -> None:
         """Advance by ``n`` milliseconds with constant inputs; torques are one number or one per wheel [N m]."""
         self._brake[:] = brake_torque
         self._drive[:] = drive_torque
-        self._take_torques(self._brake, self._drive)
-        advance(self._memory, steer, self._time_s, n)
+        self.bind_torques(self._brake, self._drive)
+        advance(self.address, steer, self._time_s, n)
         self._time_s += n * TIME_STEP_S
 
     def energy_account(self) -> dict[str, float]:

@@ -136,6 +136,11 @@ class Powertrain:
     ------
     InputError
         If the torque curve has more points or the gearbox more gears than the model holds.
+
+    Attributes
+    ----------
+    address : int
+        Of the memory that `powertrain_step` works on, for compiled callers.
     """
 
     def __init__(self, vehicle: VehicleFile) -> None:
@@ -148,7 +153,7 @@ class Powertrain:
         self._state: NDArray[np.void] = np.zeros(1, STATE_RECORD)
         self._wheel_speed, self._out = np.zeros(4), np.zeros(OUTPUTS)
         self._addresses = addresses_of(self._parameters, self._state, self._wheel_speed, self._out)
-        self._memory = self._addresses.ctypes.data
+        self.address = int(self._addresses.ctypes.data)
         self._fill()
 
     def reset(self) -> None:
@@ -177,11 +182,14 @@ class Powertrain:
             Block "powertrain" of the signal catalogue.
         """
         if wheel_speed is not self._wheel_speed or out is not self._out:
-            # the same come tick by tick, so their addresses are kept
-            self._addresses[AT_WHEEL_SPEED] = numbers_address(wheel_speed, 4)
-            self._addresses[AT_OUT] = numbers_address(out, OUTPUTS)
-            self._wheel_speed, self._out = wheel_speed, out
-        powertrain_step(self._memory, accelerator, clutch, gear)
+            self.bind(wheel_speed, out)
+        powertrain_step(self.address, accelerator, clutch, gear)
+
+    def bind(self, wheel_speed: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+        """Use these arrays from now on: the same come tick by tick, so their addresses are kept."""
+        self._addresses[AT_WHEEL_SPEED] = numbers_address(wheel_speed, 4)
+        self._addresses[AT_OUT] = numbers_address(out, OUTPUTS)
+        self._wheel_speed, self._out = wheel_speed, out
 
     def names(self) -> tuple[str, ...]:
         """Dotted paths of all parameters (``driveline.engine.inertia``)."""

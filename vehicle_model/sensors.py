@@ -69,6 +69,11 @@ class Sensors:
     seed : int
         Seed of the run. The rings' errors and the noise of each channel have a generator each, so that noise on one
         channel leaves the others' as it is.
+
+    Attributes
+    ----------
+    address : int
+        Of the memory that `sensors_step` works on, for compiled callers.
     """
 
     def __init__(self, vehicle: VehicleFile, seed: int = 0) -> None:
@@ -81,7 +86,7 @@ class Sensors:
         self._contacts = np.ones((RANDOM_NUMBERS, DRAWN_TICKS))
         self._values = self._sensed = np.zeros(0)
         self._addresses = np.zeros(ADDRESSES, np.int64)
-        self._memory = self._addresses.ctypes.data
+        self.address = int(self._addresses.ctypes.data)
         for place, array in (
             (AT_PARAMETERS, self._parameters),
             (AT_STATE, self._state),
@@ -123,17 +128,21 @@ class Sensors:
         sensed
             Layout of block "bus"; what comes from the ECU is left alone.
         """
+        self.draw()
+        if values is not self._values or sensed is not self._sensed:
+            self.bind(values, sensed)
+        sensors_step(self.address, time_s)
+
+    def draw(self) -> None:
+        """The first part of a tick: have random numbers for it."""
         if self._row == DRAWN_TICKS:
             self._draw()
         if self._contact_row == DRAWN_TICKS:
             self._draw_contacts()
         self._row += 1
         self._contact_row += 1
-        if values is not self._values or sensed is not self._sensed:
-            self._take(values, sensed)
-        sensors_step(self._memory, time_s)
 
-    def _take(self, values: NDArray[np.float64], sensed: NDArray[np.float64]) -> None:
+    def bind(self, values: NDArray[np.float64], sensed: NDArray[np.float64]) -> None:
         """Use these arrays from now on: the same come tick by tick, so their addresses are kept."""
         self._addresses[AT_VALUES] = numbers_address(values, values.size)
         self._addresses[AT_SENSED] = numbers_address(sensed, sensed.size)

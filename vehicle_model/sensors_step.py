@@ -31,7 +31,7 @@ AT_PARAMETERS, AT_STATE, AT_EDGES, AT_NOISE, AT_CONTACTS, AT_VALUES, AT_SENSED =
 ADDRESSES = 7
 RANDOM_NUMBERS = CHANNELS + 4
 """Random numbers of a tick: a value per analogue channel and wheel-speed sensor."""
-DRAWN_TICKS = 64
+DRAWN_TICKS = 128
 """Ticks that they are drawn for in advance: few, so that no tick has to draw for long."""
 
 

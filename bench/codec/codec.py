@@ -1,6 +1,5 @@
 """Values ↔ frames: the codec of one CAN database, compiled, with end-to-end protection and its checks."""
 
-import math
 from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
@@ -8,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.codec.kernels import NEVER_TICKS, unpack
+from bench.codec.kernels import AGES, CHANNEL, GROUPS, MESSAGES, NEVER_TICKS, PLACES, SENDER, SIGNALS, VALUES, unpack
 from bench.codec.kernels import receive as _receive
 from bench.codec.kernels import transmit as _transmit
 from bench.codec.layout import AGE_GROUPS, Carrier, Layout
@@ -32,12 +31,14 @@ from bench.codec.tables import (
     UNPROTECTED,
     WRONG_LENGTH,
     WRONG_SEQUENCE,
+    Tables,
     build_tables,
     by_identifier,
 )
-from bench.links.frame import ROLES, new_frames
+from bench.links.frame import ROLES, frames_address, new_frames
 from signals.catalogue import catalogue
 from signals.errors import InputError
+from signals.record_memory import addresses_of
 
 CHECKS: dict[Protection, int] = {"none": UNPROTECTED, "crc": BY_CRC, "full": BY_CRC_AND_COUNTER}
 AGE_NAMES: tuple[str, ...] = tuple(signal.name for signal in catalogue() if signal.block == "bus_age")
@@ -136,8 +137,50 @@ class Codec:
         raise KeyError(name)
 
 
+class _Memory:
+    """What the compiled codec works on: a list of addresses and numbers, and the arrays that it names.
+
+    Attributes
+    ----------
+    address : int
+        Of the list.
+    """
+
+    def __init__(
+        self,
+        tables: Tables,
+        values: NDArray[np.float64],
+        channel: int,
+        groups: NDArray[np.int64],
+        ages: NDArray[np.float64],
+    ) -> None:
+        self._arrays = (tables.messages, tables.signals, tables.payloads, values, groups, ages)
+        if not all(array.flags.c_contiguous for array in self._arrays):
+            raise ValueError("found an array with gaps, allowed: consecutive numbers, as numpy.zeros gives")
+        self.list = np.zeros(PLACES, np.int64)
+        self.list[: len(self._arrays)] = addresses_of(*self._arrays)
+        self.list[[MESSAGES, SIGNALS, VALUES]] = len(tables.messages), len(tables.signals), len(values)
+        self.list[[GROUPS, AGES, CHANNEL]] = len(groups), len(ages), channel
+        self.address = int(self.list.ctypes.data)
+        self._frames = new_frames(0)
+        self._frames_at = 0
+
+    def frames_at(self, frames: NDArray[np.void]) -> int:
+        """Address of frame records: the same come tick by tick, so it is kept."""
+        if frames is not self._frames:
+            self._frames_at = frames_address(frames)
+            self._frames = frames
+        return self._frames_at
+
+
 class Transmitter:
-    """Sends each message of one side in its cycle; made by :meth:`Codec.transmitter`."""
+    """Sends each message of one side in its cycle; made by :meth:`Codec.transmitter`.
+
+    Attributes
+    ----------
+    address : int
+        Of the memory that ``kernels.transmit`` works on, for compiled callers.
+    """
 
     def __init__(
         self,
@@ -156,16 +199,15 @@ class Transmitter:
         tables = build_tables(carriers, names)
         self._carriers = by_identifier(carriers)
         self._messages = tables.messages
-        self._cycle = math.lcm(*(carrier.cycle_ms for carrier in carriers))
-        self._idle = [not any((tick - c.offset_ms) % c.cycle_ms == 0 for c in carriers) for tick in range(self._cycle)]
-        self._arguments = (ROLES[role], channel, tables.messages, tables.signals, tables.payloads, values)
+        self._memory = _Memory(tables, values, channel, np.zeros((0, 0), np.int64), np.zeros(0))
+        self._memory.list[SENDER] = ROLES[role]
+        self.address = self._memory.address
         self.reset()
 
     def reset(self) -> None:
         """Start again: counters at zero, each message due at its offset."""
         self._messages[:, COUNTER] = 0
         self._messages[:, NEXT_DUE] = self._messages[:, OFFSET]
-        self._next_tick = 0
 
     def rows_of(self, names: Iterable[str]) -> NDArray[np.int64]:
         """Rows of the messages that carry one of the signals, for :meth:`postpone`."""
@@ -191,16 +233,18 @@ class Transmitter:
 
         A message whose tick was skipped is sent at the next call, then again at its regular ticks.
         """
-        idle = tick == self._next_tick and self._idle[tick % self._cycle]
-        self._next_tick = tick + 1
-        if idle:  # spares most ticks of an ECU the compiled call
-            return 0
-        count: int = _transmit(tick, frames, start, *self._arguments)
+        count: int = _transmit(self.address, self._memory.frames_at(frames), start, tick)
         return count
 
 
 class Receiver:
-    """Takes in frames, checks them and decodes the good ones; made by :meth:`Codec.receiver`."""
+    """Takes in frames, checks them and decodes the good ones; made by :meth:`Codec.receiver`.
+
+    Attributes
+    ----------
+    address : int
+        Of the memory that ``kernels.receive`` works on, for compiled callers.
+    """
 
     def __init__(
         self,
@@ -217,8 +261,8 @@ class Receiver:
         tables.messages[:, PROTECTED] = np.minimum(tables.messages[:, PROTECTED], CHECKS[protection])
         self._values = values
         self._groups = groups = self._age_groups()
-        heard = -1 if channel is None else channel
-        self._arguments = (heard, tables.messages, tables.signals, tables.payloads, values, groups, ages)
+        self._memory = _Memory(tables, values, -1 if channel is None else channel, groups, ages)
+        self.address = self._memory.address
         self.reset()
 
     def _age_groups(self) -> NDArray[np.int64]:
@@ -249,7 +293,7 @@ class Receiver:
         Call it in every tick, also with no frames, so that the ages grow. A frame with a wrong length, CRC or counter
         changes nothing but the statistics: neither the values, nor the ages, nor the counter that is expected next.
         """
-        accepted: int = _receive(frames, count, tick, *self._arguments)
+        accepted: int = _receive(self.address, self._memory.frames_at(frames), count, tick)
         return accepted
 
     def statistics(self) -> dict[str, dict[str, int]]:

@@ -4,6 +4,9 @@ Profile 2 (AUTOSAR_SWS_E2ELibrary): byte 0 is a CRC-8 with polynomial 0x2F, star
 bytes 1 … length−1 and then the data id that belongs to the counter; the low half of byte 1 is the counter, 0 … 15.
 """
 
+from typing import Any
+
+import numba
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -26,10 +29,12 @@ from bench.codec.tables import (
     LATENESS,
     LENGTH,
     LOST,
+    MESSAGE_COLUMNS,
     NEXT_DUE,
     OFFSET,
     OUTER_SCALE,
     OUTER_SHIFT,
+    PAYLOAD_COLUMNS,
     PERIOD,
     POSITION,
     PROTECTED,
@@ -39,13 +44,21 @@ from bench.codec.tables import (
     REPEATED,
     SCALE,
     SHIFT,
+    SIGNAL_COLUMNS,
     SIGNED,
     START,
     WRAPS,
     WRONG_LENGTH,
     WRONG_SEQUENCE,
 )
-from bench.links.frame import ERROR, EXTENDED, FD, REMOTE, TICK_NS, TRANSMITTED
+from bench.links.frame import ERROR, EXTENDED, FD, FRAME_DTYPE, REMOTE, TICK_NS, TRANSMITTED
+from signals.record_memory import addresses_at, pointer
+
+AT_MESSAGES, AT_SIGNALS, AT_PAYLOADS, AT_VALUES, AT_GROUPS, AT_AGES = range(6)
+"""Places in the list of addresses of a transmitter or receiver: arrays of ``bench.codec.tables`` and of values ..."""
+MESSAGES, SIGNALS, VALUES, GROUPS, AGES, CHANNEL, SENDER = range(6, 13)
+"""... then, in the same list, plain numbers: rows of those arrays, the channel and who sends."""
+PLACES = 13
 
 _POLYNOMIAL = 0x2F
 
@@ -182,18 +195,30 @@ def unpack(
 
 
 @njit(cache=True)
-def transmit(
-    tick: int,
-    frames: NDArray[np.void],
-    start: int,
-    sender: int,
-    channel: int,
-    messages: NDArray[np.int64],
-    signals: NDArray[np.float64],
-    payloads: NDArray[np.uint8],
-    values: NDArray[np.float64],
-) -> int:
-    """Pack the frames that are due into ``frames[start:]``; returns their number."""
+def _tables(places: Any) -> Any:
+    """Messages, signals, payloads and values of a list of addresses."""
+    rows = places[MESSAGES]
+    return (
+        numba.carray(pointer(places[AT_MESSAGES]), (rows, MESSAGE_COLUMNS), numba.int64),
+        numba.carray(pointer(places[AT_SIGNALS]), (places[SIGNALS], SIGNAL_COLUMNS), numba.float64),
+        numba.carray(pointer(places[AT_PAYLOADS]), (rows, PAYLOAD_COLUMNS), numba.uint8),
+        numba.carray(pointer(places[AT_VALUES]), places[VALUES], numba.float64),
+    )
+
+
+@njit(cache=True)
+def transmit(memory: int, frames_at: int, start: int, tick: int) -> int:
+    """Pack the frames that are due into ``frames[start:]``; returns their number.
+
+    Parameters
+    ----------
+    memory, frames_at
+        Addresses of the list of addresses ``AT_...`` and of the frame records.
+    """
+    places = addresses_at(memory)
+    messages, signals, payloads, values = _tables(places)
+    sender, channel = places[SENDER], places[CHANNEL]
+    frames = numba.carray(pointer(frames_at), start + messages.shape[0], FRAME_DTYPE)
     count = 0
     for m in range(messages.shape[0]):
         message = messages[m]
@@ -305,34 +330,29 @@ def _accept_frame(
 
 
 @njit(cache=True)
-def receive(
-    frames: NDArray[np.void],
-    count: int,
-    tick: int,
-    channel: int,
-    messages: NDArray[np.int64],
-    signals: NDArray[np.float64],
-    payloads: NDArray[np.uint8],
-    values: NDArray[np.float64],
-    groups: NDArray[np.int64],
-    ages: NDArray[np.float64],
-) -> int:
-    """Decode what is accepted of the first ``count`` frames into ``values`` and update the ages.
+def receive(memory: int, frames_at: int, count: int, tick: int) -> int:
+    """Decode what is accepted of the first ``count`` frames into the values and update the ages.
 
     Parameters
     ----------
-    channel : int
-        Channel listened to, −1 for all.
-    groups : int64 array, shape (g + 1, m + 1)
-        Row 0, entry 0 counts frames of unknown identifier; then for each group of signals its position in ``ages`` and
-        a 1 for each message that belongs to it. The age of a group is that of its oldest message, in s: time since it
-        came, and what it came late by its counter.
+    memory, frames_at
+        Addresses of the list of addresses ``AT_...`` and of the frame records. In the list, ``CHANNEL`` is the channel
+        listened to, -1 for all. The groups have shape (g + 1, m + 1): row 0, entry 0 counts frames of unknown
+        identifier; then for each group of signals its position in the ages and a 1 for each message that belongs to it.
+        The age of a group is that of its oldest message, in s: time since it came, and what it came late by its
+        counter.
 
     Returns
     -------
     int
         Number of frames accepted.
     """
+    places = addresses_at(memory)
+    messages, signals, payloads, values = _tables(places)
+    channel = places[CHANNEL]
+    frames = numba.carray(pointer(frames_at), count, FRAME_DTYPE)
+    groups = numba.carray(pointer(places[AT_GROUPS]), (places[GROUPS], messages.shape[0] + 1), numba.int64)
+    ages = numba.carray(pointer(places[AT_AGES]), places[AGES], numba.float64)
     accepted = 0
     for i in range(count):
         frame = frames[i]

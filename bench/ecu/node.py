@@ -3,26 +3,47 @@
 from pathlib import Path
 from typing import Any
 
+import numba
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from bench.codec.codec import AGE_NAMES, Codec
+from bench.codec.kernels import receive, transmit
 from bench.codec.mapping_file import Protection
-from bench.codec.tables import CRC_ERRORS, LAST_TICK, PERIOD, REPEATED, WRONG_LENGTH, WRONG_SEQUENCE
+from bench.codec.tables import (
+    CRC_ERRORS,
+    LAST_TICK,
+    MESSAGE_COLUMNS,
+    PERIOD,
+    REPEATED,
+    WRONG_LENGTH,
+    WRONG_SEQUENCE,
+)
 from bench.ecu.calibration import CalibrationFile
 from bench.ecu.controller import Controller, controller_task
 from bench.ecu.records import (
     AGE_TICKS,
     BUS_SIGNALS,
+    CALIBRATION_RECORD,
     PERIOD_TICKS,
     PRESENT,
     REJECTED,
     SOURCES,
+    STATE_RECORD,
     TASK_OFFSET_TICKS,
     TASK_TICKS,
 )
+from bench.links.frame import FRAME_DTYPE, frames_address
+from signals.record_memory import addresses_at, addresses_of, pointer
 from signals.wheels import WHEELS
+
+AT_RECEIVER, AT_TRANSMITTER, AT_CALIBRATION, AT_STATE, AT_VALUES, AT_ROWS, AT_HEALTH, AT_COMMAND = range(8)
+"""Places in the node's list of addresses."""
+MESSAGES, WITH_EDGES, SILENT, NEXT_TASK = range(8, 12)
+"""Plain numbers in the same list: rows of the receiver's table, two flags, the tick of the next task."""
+AT_MESSAGES = 12
+PLACES = 13
 
 _SIGNAL_OF_SOURCE = (
     ("wheel_speed_fl",),
@@ -49,20 +70,33 @@ def _look_at_messages(messages: Any, rows: Any, tick: int, health: Any) -> None:
 
 
 @njit(cache=True)
-def node_task(
-    calibration: Any,
-    state: Any,
-    values: Any,
-    messages: Any,
-    rows: Any,
-    health: Any,
-    tick: int,
-    command: Any,
-    with_edges: bool,
-) -> None:
+def _task(places: Any, tick: int) -> None:
     """The 5 ms task of the node: look at the messages, then control."""
+    messages = numba.carray(pointer(places[AT_MESSAGES]), (places[MESSAGES], MESSAGE_COLUMNS), numba.int64)
+    rows = numba.carray(pointer(places[AT_ROWS]), len(SOURCES), numba.int64)
+    health = numba.carray(pointer(places[AT_HEALTH]), (len(SOURCES), 4), numba.int64)
     _look_at_messages(messages, rows, tick, health)
-    controller_task(calibration, state, values, health, command, with_edges)
+    controller_task(
+        numba.carray(pointer(places[AT_CALIBRATION]), 1, CALIBRATION_RECORD),
+        numba.carray(pointer(places[AT_STATE]), 1, STATE_RECORD),
+        numba.carray(pointer(places[AT_VALUES]), BUS_SIGNALS, numba.float64),
+        health,
+        numba.carray(pointer(places[AT_COMMAND]), BUS_SIGNALS, numba.float64),
+        places[WITH_EDGES] != 0,
+    )
+
+
+@njit(cache=True)
+def node_tick(memory: int, frames_in_at: int, n_in: int, frames_out_at: int, start: int, tick: int) -> int:
+    """`EcuNode.tick`, everything by address; ``memory`` is that of the list ``AT_...``."""
+    places: Any = addresses_at(memory)
+    receive(places[AT_RECEIVER], frames_in_at, n_in, tick)
+    if tick >= places[NEXT_TASK]:
+        places[NEXT_TASK] = tick + TASK_TICKS - (tick - TASK_OFFSET_TICKS) % TASK_TICKS
+        _task(places, tick)
+    if places[SILENT] != 0:
+        return 0
+    return int(transmit(places[AT_TRANSMITTER], frames_out_at, start, tick))
 
 
 class EcuNode:
@@ -84,6 +118,11 @@ class EcuNode:
     ------
     InputError
         If the calibration has faults.
+
+    Attributes
+    ----------
+    address : int
+        Of the memory that `node_tick` works on, for compiled callers.
     """
 
     def __init__(
@@ -97,7 +136,6 @@ class EcuNode:
         heard = set(codec.layout.names("bench"))
         with_edges = all(f"wheel_edge_{what}_{wheel}" in heard for what in ("count", "time") for wheel in WHEELS)
         self.controller = Controller(calibration, with_edges=with_edges, watch_timeouts=protection == "full")
-        self.silent = silent
         self._values = np.zeros(BUS_SIGNALS)
         self._command = np.zeros(BUS_SIGNALS)
         self._receiver = codec.receiver("ecu", self._values, np.zeros(len(AGE_NAMES)), protection=protection)
@@ -106,9 +144,17 @@ class EcuNode:
         self._health = np.zeros((len(SOURCES), 4), np.int64)
         self._health[:, PRESENT] = self._rows >= 0
         record, state = self.controller.records
-        self._task_arguments = (record, state, self._values, self._receiver.messages, self._rows, self._health)
-        self._with_edges = with_edges
-        self._next_task = TASK_OFFSET_TICKS
+        self._places = np.zeros(PLACES, np.int64)
+        self._places[[AT_RECEIVER, AT_TRANSMITTER]] = self._receiver.address, self._transmitter.address
+        self._places[AT_CALIBRATION : AT_COMMAND + 1] = addresses_of(
+            record, state, self._values, self._rows, self._health, self._command
+        )
+        self._places[AT_MESSAGES] = self._receiver.messages.ctypes.data
+        self._places[[MESSAGES, WITH_EDGES, SILENT]] = len(self._receiver.messages), with_edges, silent
+        self._places[NEXT_TASK] = TASK_OFFSET_TICKS
+        self.address = int(self._places.ctypes.data)
+        self._in = self._out = np.zeros(0, FRAME_DTYPE)
+        self._in_at = self._out_at = 0
 
     def _row(self, signals: tuple[str, ...]) -> int:
         return next((row for row in map(self._receiver.row_of, signals) if row >= 0), -1)
@@ -136,10 +182,9 @@ class EcuNode:
         int
             Number of frames to send.
         """
-        self._receiver.accept(frames_in, n_in, tick)
-        if tick >= self._next_task:
-            self._next_task = tick + TASK_TICKS - (tick - TASK_OFFSET_TICKS) % TASK_TICKS
-            node_task(*self._task_arguments, tick, self._command, self._with_edges)
-        if self.silent:
-            return 0
-        return self._transmitter.due(tick, frames_out, start)
+        if frames_in is not self._in or frames_out is not self._out:
+            # the same come tick by tick, so their addresses are kept
+            self._in, self._out = frames_in, frames_out
+            self._in_at, self._out_at = frames_address(frames_in), frames_address(frames_out)
+        count: int = node_tick(self.address, self._in_at, n_in, self._out_at, start, tick)
+        return count

@@ -36,7 +36,14 @@ class Stopped(Exception):
 
 
 def _stop(number: int, frame: FrameType | None) -> NoReturn:
+    _let_nothing_disturb_the_end()  # a second one would come while the first is handled
     raise Stopped
+
+
+def _let_nothing_disturb_the_end() -> None:
+    """From here on the exit code stands: an interpreter that is leaving catches no exception of a handler."""
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -174,9 +181,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Entry point of ``bench ecu``; returns the exit code."""
     arguments = _parser().parse_args(argv)
     die_with_parent(signal.SIGTERM)
-    signal.signal(signal.SIGTERM, _stop)
     try:
-        return serve(**vars(arguments))
+        try:
+            signal.signal(signal.SIGTERM, _stop)
+            return serve(**vars(arguments))
+        finally:  # inside the outer try: what comes until this is done is still caught
+            _let_nothing_disturb_the_end()
     except BenchError as error:
         print(f"bench ecu: {error}", file=sys.stderr)
         return error.exit_code

@@ -45,7 +45,7 @@ def write_group_comparison(folder: Path, result: GroupComparison) -> None:
 
 def text_of(result: GroupComparison) -> str:
     """For people: root mean squared errors of each quantity by run, for friction limits the times to ±10 % too."""
-    lines = [f"estimators of the group {result.name}: {result.group.title}; RMSE in braking"]
+    lines = [f"estimators of the group {result.name}: {result.group.title}; RMSE {result.group.phase}"]
     for quantity in _shown(result):
         lines += ["", _heading(result, quantity)]
         lines += [f"  in the document: {text} ({source})" for text, source in _figures(result, quantity)]
@@ -66,11 +66,14 @@ def _shown(result: GroupComparison) -> list[str]:
 def _matrix(result: GroupComparison, quantity: str, cell: Callable[[Score], str]) -> list[str]:
     """Estimators down, runs across."""
     grouped = _by_case(result, quantity)
-    lines = ["  " + " " * 30 + "".join(f"{case:>18}" for case, _ in grouped)]
+    width = max(30, *(len(name) + 1 for name in result.group.variants))
+    columns = [max(18, len(case) + 2) for case, _ in grouped]
+    lines = ["  " + " " * width + "".join(f"{case:>{n}}" for n, (case, _) in zip(columns, grouped, strict=True))]
     for name in result.group.variants:
         found = [next((score for score in scores if score.estimator == name), None) for _, scores in grouped]
         if any(score is not None for score in found):
-            lines.append(f"  {name:<30}" + "".join(f"{'-' if s is None else cell(s):>18}" for s in found))
+            texts = ("-" if score is None else cell(score) for score in found)
+            lines.append(f"  {name:<{width}}" + "".join(f"{t:>{n}}" for n, t in zip(columns, texts, strict=True)))
     return lines
 
 
@@ -142,8 +145,8 @@ def draw(path: Path, result: GroupComparison) -> None:
     rows = math.ceil(len(quantities) / 2)
     with matplotlib.rc_context(plot_style()):
         figure, axes = pyplot.subplots(rows, 2, figsize=(12.0, 0.9 + 2.3 * rows), layout="constrained", squeeze=False)
-        figure.suptitle(f"RMSE in braking: {result.group.title}", x=0.012, ha="left", fontsize=13, fontweight="bold",
-                        color=INK)  # fmt: skip
+        title = f"RMSE {result.group.phase}: {result.group.title}"
+        figure.suptitle(title, x=0.012, ha="left", fontsize=13, fontweight="bold", color=INK)
         for axis, quantity in zip(axes.flat, quantities, strict=False):
             _bars(axis, result, quantity)
         for axis in axes.flat[len(quantities) :]:

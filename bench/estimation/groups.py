@@ -41,12 +41,15 @@ class Group:
         ``friction_ekf``).
     figures : tuple of Figure
         What the documents print, for the reader to set beside.
+    phase : str
+        What part of its runs is scored, in words.
     """
 
     title: str
     cases: tuple[Case, ...]
     variants: Mapping[str, Mapping[str, Any]]
     figures: tuple[Figure, ...] = ()
+    phase: str = "over the run"
 
 
 _NO_ABS = {"ecu.kind": "none"}
@@ -91,6 +94,7 @@ GROUPS: dict[str, Group] = {
             Figure("friction_used_mean", "RMSE at most 0.05", f"{_FRICTION} 4.8 A10"),
             Figure("force_front", "force EKF: RMSE at most 10 % of m g/2 (636 N)", f"{_FRICTION} 4.8 A14"),
         ),
+        "in braking",
     ),
     "state": Group(
         "vehicle state from production sensors",
@@ -115,12 +119,14 @@ GROUPS: dict[str, Group] = {
             "magic_formula_fit": {},
             "road_grade": {},
             "observer_cascade": {},
+            "observer_cascade_known_torque": {"longitudinal": {"brake_torque": "pressure"}},
         },
         (
             Figure("lateral_acceleration", "RMSE at most 11.1 % of the mean magnitude, slalom", f"{_STATE} 7 AC-25"),
             Figure("speed", "RMSE 0.95 % on ice, 2.1 % on icy snow, 5.1 % on dry asphalt", f"{_STATE} 7 AC-43 to 45"),
             Figure("road_grade", "mean error at most 6.2 % of the grade, length within 10 m", f"{_STATE} 7 AC-50, 51"),
         ),
+        "in braking, else over the run",
     ),
     "load": Group(
         "vertical wheel loads",

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _COLOURS = ("#0b62c4", "#c2410c", "#0f7b4f", "#9333a8", "#515b6a", "#b45309")
+_PANELS = 3
+"""Panels in a row of a chart."""
 
 
 def table(plan: RobustnessPlan, result: PerturbationResult) -> str:
@@ -57,11 +59,13 @@ def draw(path: Path, plan: RobustnessPlan, result: PerturbationResult) -> None:
     from matplotlib import pyplot
 
     with matplotlib.rc_context(plot_style()):
+        columns = min(_PANELS, len(plan.quantities))
+        rows = -(-len(plan.quantities) // columns)
         figure, axes = pyplot.subplots(
-            1, len(plan.quantities), figsize=(10.0, 2.9), layout="constrained", squeeze=False
+            rows, columns, figsize=(10.0, 0.5 + 2.4 * rows), layout="constrained", squeeze=False
         )
         figure.suptitle(result.perturbation.title, x=0.012, ha="left", fontsize=11, fontweight="bold", color=INK)
-        for axis, (quantity, kind) in zip(axes[0], plan.quantities.items(), strict=True):
+        for axis, (quantity, kind) in zip(axes.flat, plan.quantities.items(), strict=False):
             _panel(axis, plan, result, quantity, kind)
         handles = [
             pyplot.Line2D([], [], color=colour, marker="o", markersize=4) for colour in _COLOURS[: len(plan.variants)]

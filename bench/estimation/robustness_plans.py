@@ -56,6 +56,7 @@ _ROLL_OFFSET = _offsets(
     {"0.2 deg/s": 0.2 * _DEGREE, "1 deg/s": _DEGREE},
 )
 _BANK = _offsets("bank", "the road is banked", "road.bank", {"2 %": 0.02, "5 %": 0.05})
+_LESS_GRIP: dict[str, Any] = {"road.jumps": [{"time": "10 s", "friction": 0.6, "transition_time": "0.1 s"}]}
 _LATENCY = Perturbation(
     "latency",
     "the signals come later",
@@ -85,14 +86,124 @@ _UNEQUAL_TRACKS = Perturbation(
     ),
 )
 
+
+def _smaller_wheels(**radii: float) -> Perturbation:
+    """Wheels that are smaller by 1.5 and 3 % than the given radii [m], by wheel."""
+
+    def smaller(share: float) -> dict[str, float]:
+        return {f"wheels.{wheel}.radius": radius * (1.0 - share) for wheel, radius in radii.items()}
+
+    levels = (AS_ASSUMED, Level("-1.5 %", smaller(0.015)), Level("-3 %", smaller(0.03)))
+    return Perturbation("wheel_radius", "the wheels are smaller than the file says", levels)
+
+
+def _friction_falls(second: int, where: str) -> Perturbation:
+    levels = (
+        Level(
+            f"1 to {share:g}",
+            {"road.jumps": [{"time": f"{second} s", "friction": share, "transition_time": "0.1 s"}]},
+        )
+        for share in (0.8, 0.6)
+    )
+    return Perturbation("grip_jump", f"the grip falls in the {where}", (AS_ASSUMED, *levels))
+
+
+_GRADE = Perturbation(
+    "grade",
+    "the road is not level",
+    (Level("-5 %", {"road.grade": -0.05}), AS_ASSUMED, Level("+5 %", {"road.grade": 0.05})),
+)
+_LONGITUDINAL_OFFSET = _offsets(
+    "accelerometer_offset",
+    "the longitudinal accelerometer has an offset",
+    "sensors.longitudinal_acceleration.offset",
+    {"0.1 m/s²": 0.1, "0.3 m/s²": 0.3},
+)
+
+# the state group's own: a slalom at 60 km/h, and where braking is what matters a stop of the same car
+_STATE_STOP = "stops/dry"
+_STATE_CAR: dict[str, Any] = {"vehicle": "lada_vesta_assumed_steering"}
+_PRESSURES = {"longitudinal": {"brake_torque": "pressure"}}
+
+
+def _lateral_stiffness(front: float, rear: float) -> dict[str, float]:
+    return {"tyres.front.lateral.stiffness": front, "tyres.rear.lateral.stiffness": rear}
+
+
+_STATE_ONLY = (
+    _smaller_wheels(fl=0.3015, fr=0.3015, rl=0.3023, rr=0.3023),
+    _GRADE,
+    _LONGITUDINAL_OFFSET,
+    Perturbation(
+        "adaptive_damper",
+        "the dampers are adaptive (MuJoCo car)",
+        (
+            Level("planar car"),
+            Level("passive", plant="mujoco"),
+            Level("adaptive", {"suspension.adaptive.mode": 1.0}, plant="mujoco"),
+        ),
+    ),
+    Perturbation(
+        "unknown_torque",
+        "a stop: the brake torques are not known",
+        (
+            Level("known", _STATE_CAR, scenario=_STATE_STOP, settings=_PRESSURES),
+            Level("unknown", _STATE_CAR, scenario=_STATE_STOP),
+        ),
+    ),
+    Perturbation(
+        "other_car",
+        "another car, its file known",
+        (
+            Level("Lada Vesta"),
+            Level(
+                "E-class SUV",
+                {"vehicle": "e_class_suv_assumed_steering"},
+                settings={"longitudinal": {"driven_axle": "rear"}},
+            ),
+        ),
+    ),
+    _friction_falls(8, "slalom"),
+    Perturbation(
+        "rubber",
+        "other rubber: the stiffness of the lateral curve",
+        (
+            AS_ASSUMED,
+            Level("softer", _lateral_stiffness(5.0, 6.3)),
+            Level("two kinds", _lateral_stiffness(7.2, 18.0)),
+            Level("harder", _lateral_stiffness(14.4, 18.0)),
+        ),
+    ),
+    Perturbation(
+        "abs_calibration",
+        "a stop: another calibration of the ABS, brake torques known",
+        (
+            Level("sensitive", _STATE_CAR, scenario=_STATE_STOP, settings=_PRESSURES),
+            Level(
+                "coarse",
+                {**_STATE_CAR, "ecu.calibration": "coarse"},
+                scenario=_STATE_STOP,
+                settings=_PRESSURES,
+            ),
+        ),
+    ),
+)
+
 PLANS: dict[str, RobustnessPlan] = {
     "friction": FRICTION_PLAN,
     "state": RobustnessPlan(
         "state/slalom_dry_asphalt",
         {},
-        {"vehicle_state_ukf": {}, "wheel_sliding_mode": {}, "observer_cascade": {}},
-        {"lateral_acceleration": "rmse", "yaw_rate": "rmse", "slip_angle_fl": "rmse"},
-        (_mass(1559.0), _LATERAL_OFFSET, _YAW_OFFSET, _NOISE, *_LINE),
+        {"vehicle_state_ukf": {}, "wheel_sliding_mode": {}, "road_grade": {}, "observer_cascade": {}},
+        {
+            "lateral_acceleration": "rmse",
+            "yaw_rate": "rmse",
+            "slip_angle_fl": "rmse",
+            "friction_limit_lateral_fl": "relative",
+            "speed": "rmse",
+            "road_grade": "rmse",
+        },
+        (_mass(1559.0), _LATERAL_OFFSET, _YAW_OFFSET, _NOISE, *_LINE, *_STATE_ONLY),
     ),
     "load": RobustnessPlan(
         "state/vertical_load_lane_change",
@@ -107,6 +218,27 @@ PLANS: dict[str, RobustnessPlan] = {
             _NOISE,
             _UNEQUAL_TRACKS,
             *_LINE,
+            _smaller_wheels(fl=0.347, fr=0.347, rl=0.347, rr=0.347),
+            _GRADE,
+            _LONGITUDINAL_OFFSET,
+            _friction_falls(2, "lane change"),
+            Perturbation(
+                "adaptive_damper",
+                "the dampers are adaptive (MuJoCo car)",
+                (
+                    Level("own car"),
+                    Level("passive", plant="mujoco"),
+                    Level("adaptive", {"suspension.adaptive.mode": 1.0}, plant="mujoco"),
+                ),
+            ),
+            Perturbation(
+                "other_car",
+                "another car, its file known (MuJoCo car)",
+                (
+                    Level("E-class SUV", plant="mujoco"),
+                    Level("Lada Vesta", {"vehicle": "lada_vesta_assumed_steering"}, plant="mujoco"),
+                ),
+            ),
         ),
     ),
     "force": RobustnessPlan(
@@ -118,14 +250,53 @@ PLANS: dict[str, RobustnessPlan] = {
             "random_walk_force_ekf": {},
         },
         {"force_total": "rmse", "lateral_speed": "rmse"},
-        (_mass(700.0), _YAW_OFFSET, _NOISE, *_LINE),
+        (
+            _mass(700.0),
+            _YAW_OFFSET,
+            _NOISE,
+            *_LINE,
+            _smaller_wheels(fl=0.27, fr=0.27, rl=0.27, rr=0.27),
+            Perturbation(
+                "mujoco",
+                "the MuJoCo car in place of the document's, level, on a grade, with adaptive dampers, with less grip",
+                (
+                    Level("own car"),
+                    Level("MuJoCo", plant="mujoco"),
+                    Level("+5 %", {"road.grade": 0.05}, plant="mujoco"),
+                    Level("adaptive", {"suspension.adaptive.mode": 1.0}, plant="mujoco"),
+                    Level("grip 0.6", _LESS_GRIP, plant="mujoco"),
+                ),
+            ),
+        ),
     ),
     "attitude": RobustnessPlan(
         "state/attitude_slalom",
         {},
         {"attitude_bank": {}, "attitude_single": {}, "attitude_augmented": {}},
         {"roll_angle": "rmse", "side_slip_angle": "rmse"},
-        (_mass(1296.0), _BANK, _LATERAL_OFFSET, _ROLL_OFFSET, _YAW_OFFSET, *_LINE),
+        (
+            _mass(1296.0),
+            _BANK,
+            _LATERAL_OFFSET,
+            _ROLL_OFFSET,
+            _YAW_OFFSET,
+            *_LINE,
+            _NOISE,
+            _smaller_wheels(fl=0.278, fr=0.278, rl=0.278, rr=0.278),
+            _GRADE,
+            _LONGITUDINAL_OFFSET,
+            Perturbation(
+                "adaptive_damper",
+                "the dampers are adaptive",
+                (Level("passive"), Level("adaptive", {"suspension.adaptive.mode": 1.0})),
+            ),
+            Perturbation(
+                "other_car",
+                "another car, its file known",
+                (Level("Table 8"), Level("Lada Vesta", {"vehicle": "lada_vesta_assumed_steering"})),
+            ),
+            _friction_falls(30, "slalom"),
+        ),
     ),
 }
 

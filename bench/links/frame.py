@@ -44,6 +44,19 @@ def new_frames(count: int) -> NDArray[np.void]:
     return np.zeros(count, FRAME_DTYPE)
 
 
+def frames_address(frames: NDArray[np.void]) -> int:
+    """Address of frame records for compiled code; whoever uses it keeps the array.
+
+    Raises
+    ------
+    ValueError
+        If they are not consecutive records of ``FRAME_DTYPE``.
+    """
+    if frames.dtype != FRAME_DTYPE or not frames.flags.c_contiguous:
+        raise ValueError(f"found {frames.dtype}, allowed: consecutive frame records, as new_frames gives")
+    return int(frames.ctypes.data)
+
+
 def make_frame(
     identifier: int, data: bytes = b"", *, flags: int = 0, channel: int = 0, tick: int = 0
 ) -> NDArray[np.void]:

@@ -15,7 +15,7 @@ from bench.codec.codec import AGE_NAMES, Codec, Receiver
 from bench.codec.mapping_file import BUS_NAMES
 from bench.links.interface import Link
 from bench.loop.children import Child, on_helper_cores, start_module
-from bench.loop.ecu_sides import BarrierEcu, InProcessEcu, LinkedEcu, NoEcu
+from bench.loop.ecu_sides import BarrierEcu, LinkedEcu, NoEcu
 from bench.loop.scheduling import CorePlan
 from bench.loop.tick import EcuSide
 from bench.scenario.schema import Ecu, ScenarioFile
@@ -169,6 +169,7 @@ def connect(scenario: ScenarioFile, codec: Codec, cores: CorePlan, log: IO[bytes
     ecu = scenario.ecu
     if ecu.kind == "inprocess":
         from bench.ecu.node import EcuNode
+        from bench.loop.in_process_ecu import InProcessEcu
 
         node = EcuNode(ecu.calibration, codec, silent=_starts_silent(ecu), protection=ecu.protection)
         return Connection(

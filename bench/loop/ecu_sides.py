@@ -1,4 +1,6 @@
-"""The other side of the bus as the tick sees it: nobody, a controller in this process, a link, a link in lock-step.
+"""The other side of the bus as the tick sees it: nobody, a link, a link in lock-step.
+
+The emulated ECU in the bench's own process is in :mod:`bench.loop.in_process_ecu`.
 
 In virtual time a frame sent in tick n is seen by the other side at tick n + 1, on every kind of side, and time stamps
 are ticks. A recording in real time has an origin in CLOCK_REALTIME: ``origin_ns`` of a side, which tick 0 stands for.
@@ -6,25 +8,17 @@ are ticks. A recording in real time has an origin in CLOCK_REALTIME: ``origin_ns
 
 import time
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bench.codec.codec import Receiver
 from bench.links.barrier import BarrierServer, PeerLost
-from bench.links.frame import FRAME_DTYPE, OPAQUE_DTYPE, TRANSMITTED
+from bench.links.frame import FRAME_DTYPE, OPAQUE_DTYPE
 from bench.links.interface import Link
 from signals.errors import RunError
 
 MAX_FRAMES = 4096
-
-
-class Node(Protocol):
-    """A controller that is called once per tick with the frames it sees and fills in those it sends."""
-
-    def tick(self, tick: int, frames_in: NDArray[np.void], n_in: int, frames_out: NDArray[np.void]) -> int:
-        """Returns the number of frames sent."""
 
 
 class NoEcu:
@@ -42,55 +36,6 @@ class NoEcu:
     def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:
         """Frames go nowhere."""
         frames["timestamp_ns"][:count] += self.origin_ns
-
-    def close(self) -> None:
-        """Nothing to close."""
-
-
-class InProcessEcu:
-    """The emulated ECU called by the tick, behind the same frames as on a bus."""
-
-    origin_ns = 0
-
-    def __init__(self, node: Node) -> None:
-        self._node = node
-        self._sent_by_bench = np.zeros(64, FRAME_DTYPE)
-        self._sent_bytes = self._sent_by_bench.view(OPAQUE_DTYPE)
-        self._sent_count = 0
-        self._answers = np.zeros(64, FRAME_DTYPE)
-        self._answer_flags = self._answers["flags"]
-        self._answer_bytes = self._answers.view(OPAQUE_DTYPE)
-        self._answer_count = 0
-        self._silent = False
-
-    def prepare(self) -> None:
-        """Nothing to prepare."""
-
-    def receive(self, tick: int, frames: NDArray[np.void]) -> int:
-        """Frames of the controller's previous tick; runs its tick on what the bench sent one tick ago."""
-        if self._silent:
-            return 0
-        count = self._answer_count
-        if count:
-            # sent by the other side: here they are received
-            self._answer_flags[:count] &= 255 - TRANSMITTED
-            frames.view(OPAQUE_DTYPE)[:count] = self._answer_bytes[:count]
-            if self.origin_ns:
-                frames["timestamp_ns"][:count] += self.origin_ns
-        self._answer_count = self._node.tick(tick, self._sent_by_bench, self._sent_count, self._answers)
-        self._sent_count = 0
-        return count
-
-    def send(self, tick: int, frames: NDArray[np.void], count: int) -> None:
-        """Keep the frames for the controller's next tick."""
-        self._sent_bytes[:count] = frames.view(OPAQUE_DTYPE)[:count]
-        self._sent_count = count
-        if self.origin_ns:
-            frames["timestamp_ns"][:count] += self.origin_ns
-
-    def silence(self) -> None:
-        """The controller is lost: it runs no more."""
-        self._silent = True
 
     def close(self) -> None:
         """Nothing to close."""

@@ -1,6 +1,6 @@
 """Estimators of a run, bound to the tap and to their place in the signal vector."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -41,15 +41,19 @@ def create_estimators(
 
 
 class EstimatorSlot:
-    """One estimator with its views of the signal vector."""
+    """One estimator with its views of the signal vector.
+
+    Attributes
+    ----------
+    tick : callable
+        Reads the tap, writes the outputs.
+    """
+
+    tick: Callable[[], Any]
 
     def __init__(self, named: NamedEstimator, vector: SignalVector) -> None:
         first = vector.index(named.signals()[0].name)
-        self._tick = named.estimator.tick
-        self._inputs = vector.block("bus")
-        self._ages = vector.block("bus_age")
-        self._outputs = vector.values[first : first + len(named.estimator.outputs)]
-
-    def tick(self) -> None:
-        """Read the tap, write the outputs."""
-        self._tick(self._inputs, self._ages, self._outputs)
+        outputs = vector.values[first : first + len(named.estimator.outputs)]
+        # what is bound works on the estimator's memory without owning it
+        self._estimator = named.estimator
+        self.tick = self._estimator.bind(vector.block("bus"), vector.block("bus_age"), outputs)

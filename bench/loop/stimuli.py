@@ -131,6 +131,11 @@ class Stimuli:
             "change a parameter, a driver, hydraulic or powertrain signal, or the signal that the bus carries"
         )
 
+    @property
+    def idle(self) -> bool:
+        """True while none acts and none waits for its condition."""
+        return not self.active_count and not self._waiting
+
     def tick(self, time_s: float) -> None:
         """Begin what is due, set the parameters of what is active, end what is over."""
         self._time_s = time_s

@@ -4,8 +4,8 @@ drain received frames → driver and stimuli → hydraulics → plant → sensor
 record. Every part writes its own block of the signal vector; this module only says who is next.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from bench.codec.codec import Receiver, Transmitter
 from bench.links.frame import FRAME_DTYPE
 from bench.loop.bus_load import BusLoad
+from bench.loop.quiet_tick import QuietTick
 from bench.loop.stimuli import Stimuli
 from hydraulics import HydraulicUnit
 from signals.vector import SignalVector
@@ -57,8 +58,9 @@ class Recorder(Protocol):
 class EstimatorSlot(Protocol):
     """An estimator bound to its place in the signal vector."""
 
-    def tick(self) -> None:
-        """Read the tap, write the outputs."""
+    @property
+    def tick(self) -> Callable[[], Any]:
+        """Reads the tap, writes the outputs."""
 
 
 class Tick:
@@ -98,6 +100,7 @@ class Tick:
         self._transmitter = transmitter
         self._tap = tap
         self._estimators = tuple(estimators)
+        self._estimator_ticks = tuple(estimator.tick for estimator in estimators)
         self._recorder = recorder
         self._injector = injector
         self._sensor_cluster = sensor_cluster
@@ -105,6 +108,22 @@ class Tick:
         self._due = np.zeros(64, FRAME_DTYPE)
         self._bus_load = BusLoad()
         self._bind_views()
+        self._quiet: QuietTick | None = None
+        if injector is None and sensor_cluster is None:
+            self._quiet = QuietTick(
+                vector,
+                sensed,
+                manoeuvre=manoeuvre,
+                powertrain=powertrain,
+                hydraulic_unit=hydraulic_unit,
+                plant=plant,
+                sensors=sensors,
+                transmitter=transmitter,
+                tap=tap,
+                bus_load=self._bus_load,
+                received=self._received,
+                due=self._due,
+            )
 
     def _bind_views(self) -> None:
         vector, index = self.vector, self.vector.index
@@ -137,11 +156,9 @@ class Tick:
 
     def run(self, tick: int) -> None:
         """Advance the bench by 1 ms."""
-        values, stimuli = self._values, self._stimuli
+        values, injector = self._values, self._injector
         time_s = tick * TICK_S
         values[self._time] = time_s
-
-        injector = self._injector
         if injector is not None:
             injector.begin_tick(tick)
         received = self._ecu_side.receive(tick, self._received)
@@ -149,10 +166,25 @@ class Tick:
             received = injector.to_bench(self._received, received, tick)
         self._from_ecu.accept(self._received, received, tick)
 
+        quiet = self._quiet
+        if quiet is not None and self._stimuli.idle:
+            self._manoeuvre.decide(time_s)
+            passed, due = self._due, quiet.tick(tick, time_s, received)
+            if due:
+                self._ecu_side.send(tick, passed, due)
+        else:
+            self._move_car(tick, time_s)
+            passed, due = self._exchange(tick, received)
+        for estimator_tick in self._estimator_ticks:
+            estimator_tick()
+        self._record(tick, received, passed, due)
+
+    def _move_car(self, tick: int, time_s: float) -> None:
+        """Driver, stimuli, hydraulics, plant, sensors, part by part: stimuli change signals in between."""
+        values, stimuli = self._values, self._stimuli
         self._manoeuvre.tick(time_s)
         stimuli.tick(time_s)
         stimuli.override_commands()
-
         self._powertrain.tick(
             values[self._accelerator],
             values[self._clutch],
@@ -169,39 +201,38 @@ class Tick:
             self._true_wheel_speed,
         )
         stimuli.override_actuation()
-
         self._plant.tick(
             self._brake_torque_capacity, self._drive_torque_demand, values[self._steering_wheel_angle], time_s
         )
-
         self._sensors.tick(values, time_s, self._sensed)
         stimuli.override_sensed()
-        cluster = self._sensor_cluster
-        if cluster is not None:
-            cluster.tick(tick)
+        if self._sensor_cluster is not None:
+            self._sensor_cluster.tick(tick)
 
-        due = self._transmitter.due(tick, self._due)
+    def _exchange(self, tick: int, received: int) -> tuple[NDArray[np.void], int]:
+        """Send what is due, through the injector if there is one; frames as the ECU's side sees them, number due."""
+        due, injector, cluster = self._transmitter.due(tick, self._due), self._injector, self._sensor_cluster
         passed, passed_count = (self._due, due) if injector is None else injector.to_ecu(self._due, due, tick)
         if passed_count:
             self._ecu_side.send(tick, passed, passed_count)
         self._tap.accept(passed, passed_count, tick)
         if cluster is not None and cluster.hears_the_bus:
             self._tap.accept(self._received, received, tick)
+        self._values[self._load] = self._bus_load.update(self._received, received, self._due, due)
+        return passed, due
 
-        for estimator in self._estimators:
-            estimator.tick()
-
-        values[self._load] = self._bus_load.update(self._received, received, self._due, due)
-        values[self._faults_active] = stimuli.active_count
+    def _record(self, tick: int, received: int, passed: NDArray[np.void], due: int) -> None:
+        values, injector, recorder = self._values, self._injector, self._recorder
+        values[self._faults_active] = self._stimuli.active_count
         if injector is not None:
             values[self._faults_active] += injector.acting
             injector.end_tick()
-        self._recorder.write_row(values, tick)
+        recorder.write_row(values, tick)
         if received:
-            self._recorder.write_frames(self._received, received)
+            recorder.write_frames(self._received, received)
         if due:
             if passed is not self._due:
                 self._due["timestamp_ns"][:due] += self._ecu_side.origin_ns
-            self._recorder.write_frames(self._due, due)
+            recorder.write_frames(self._due, due)
         if injector is not None:
-            injector.record(self._recorder.write_frames, self._ecu_side.origin_ns)
+            injector.record(recorder.write_frames, self._ecu_side.origin_ns)

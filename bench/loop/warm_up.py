@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from bench.loop.compile_apart import Helper
 from bench.loop.connection import connect
 from bench.loop.memory import MemoryRecorder
 from bench.loop.scheduling import plan_cores
@@ -45,10 +46,16 @@ class Rehearsal:
 def warm_up(scenario: ScenarioFile, say: Callable[[str], None]) -> Rehearsal:
     """Compile everything that the scenario needs; the emulated ECU's process then finds its code on disk."""
     mark = compile_folder() / MARK
+    helper = None
     if not mark.exists():
         say("compiling the models: about a minute, only after an installation or a change")
+        helper = Helper(scenario)
     rehearsal = Rehearsal(scenario)
+    if helper is not None:
+        helper.wait_for_ecu()
     rehearsal.go_on()
+    if helper is not None:
+        helper.wait()
     mark.parent.mkdir(parents=True, exist_ok=True)
     mark.touch()
     return rehearsal

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -149,6 +150,75 @@ def test_ends_with_its_parent(tmp_path: Path) -> None:
     while alive(ecu):
         assert time.monotonic() < end, "the ECU outlived its parent"
         time.sleep(0.05)
+
+
+TERMINATED_WHILE_LEAVING = """
+import atexit, os, runpy, signal, sys
+atexit.register(lambda: os.kill(os.getpid(), signal.SIGTERM))
+runpy.run_module("bench.ecu.process", run_name="__main__", alter_sys=True)
+"""
+"""The ECU's process, and SIGTERM at an instant at which its interpreter leaves."""
+
+
+def end_of(script: str, *arguments: str) -> tuple[int, str]:
+    """Exit code and errors of a script of Python."""
+    command = [sys.executable, "-c", script, *arguments]
+    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+    return ended.returncode, ended.stderr
+
+
+def test_sigterm_while_the_interpreter_leaves_changes_nothing(bus: Any, tmp_path: Path) -> None:
+    """As a run ends its ECU: the barrier closes, the process is on its way out, and is told to end once more."""
+    path = str(tmp_path / "barrier")
+    server = BarrierServer(path)
+    arguments = ("--link", bus.text, "--barrier", path)
+    with ThreadPoolExecutor(1) as pool:
+        ending = pool.submit(end_of, TERMINATED_WHILE_LEAVING, *arguments)
+        try:
+            server.wait_for_peer(PATIENCE_S, lambda: not ending.done())
+        finally:
+            server.close()
+        assert ending.result() == (0, "")
+    code, errors = end_of(TERMINATED_WHILE_LEAVING, "--core", "4096")
+    assert (code, "Traceback" in errors) == (2, False)
+
+
+TERMINATED_AT_EACH_LINE = """
+import os, signal, sys
+from bench.ecu import process
+
+def ended_at(line):  # exit code of a bad usage with SIGTERM at a line of the module, and how many lines it ran
+    seen = 0
+    def count(frame, event, _):
+        nonlocal seen
+        if event == "line" and signal.getsignal(signal.SIGTERM) not in (signal.SIG_DFL, signal.SIG_IGN):
+            seen += 1
+            if seen == line:
+                os.kill(os.getpid(), signal.SIGTERM)
+        return count
+    sys.settrace(lambda frame, event, _: count if frame.f_code.co_filename == process.__file__ else None)
+    code = process.main(["--core", "4096"])
+    sys.settrace(None)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    return code, seen
+
+line, codes = 1, set()
+while True:
+    code, seen = ended_at(line)
+    codes.add(code)
+    if seen < line:
+        break
+    line += 1
+print(line, sorted(codes), file=sys.stderr)
+"""
+
+
+def test_sigterm_at_any_line_ends_in_an_exit_code() -> None:
+    code, told = end_of(TERMINATED_AT_EACH_LINE)
+    assert code == 0, told
+    lines, codes = told.splitlines()[-1].split(" ", 1)
+    assert int(lines) > 3
+    assert codes == "[0, 2]"  # terminated, or the bad usage that it was going to tell
 
 
 def wait_until_armed(pid: int) -> None:
