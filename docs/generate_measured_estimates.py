@@ -1,4 +1,4 @@
-"""Write docs/estimators_measured.md: friction estimators on logs of real cars that nobody here made.
+"""Write docs/estimators_measured.md: estimators on logs of real cars that nobody here made.
 
 ``python docs/generate_measured_estimates.py`` needs the data of BENCH_SHARED_DATA (by default ../shared/data beside the
 repository). Each log goes through ``bench estimate``'s own path: its format, a channel map, a vehicle file.
@@ -16,6 +16,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(ROOT / "docs"))
 
 PAGE = ROOT / "docs" / "estimators_measured.md"
 IMAGES = ROOT / "docs" / "images" / "measured"
@@ -58,12 +59,12 @@ BO_ 170 WHEEL_SPEEDS: 8 X
  SG_ RL : 55|16@0+ (0.01,-67.67) [0|0] "km/h" X
 """
 
-HEAD = """# Friction estimators on logs of real cars
+HEAD = """# Estimators on logs of real cars
 
 Made by `python docs/generate_measured_estimates.py`. Logs that nobody of this project made, read through channel maps
-as a user would (`bench estimate LOG --channels MAP --vehicle FILE`), shipped settings, torques unknown
-(`torque_mode: z2`), nothing tuned to a log. Masses and wheelbases are those of the data's descriptions, other numbers
-of the cars assumed.
+as a user would (`bench estimate LOG --channels MAP --vehicle FILE`), shipped settings, nothing tuned to a log. Masses
+and wheelbases are those of the data's descriptions, other numbers of the cars assumed. The friction estimators first,
+with unknown torques (`torque_mode: z2`); the vehicle-state observers stand at the end.
 
 None of the logs contains a braking near the limit: what can be checked is the speed against a reference and that
 friction in use is about the acceleration over g (resistance, slope and the smoothing of the reference's derivative are
@@ -194,12 +195,15 @@ def _row(estimate: Any, reference: Any, slope: Any) -> str:
 
 def main() -> int:
     """Write the page."""
+    import measured_state_logs
+
     if not DATA.is_dir():
         print(f"{DATA}: no such folder; set BENCH_SHARED_DATA")
         return 2
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         parts = [HEAD, *(section(make(folder), folder) for make in (rav4, av21))]
+        parts.append(measured_state_logs.section(DATA, folder, IMAGES))
     PAGE.write_text("\n".join(parts), encoding="utf-8")
     print(PAGE.relative_to(ROOT))
     return 0

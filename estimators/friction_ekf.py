@@ -5,8 +5,9 @@ its Jacobians in :mod:`estimators.friction_jacobians`, start and reset in :mod:`
 around the filter step in :mod:`estimators.friction_filter`, outputs in :mod:`estimators.friction_results`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
+from typing import Any
 
 from numba import njit
 
@@ -34,8 +35,9 @@ from estimators.friction_step import (
     SUBSTEPS,
     compensate_sensors,
 )
-from estimators.kalman.correction import ROW_STALE, correct_rows
+from estimators.kalman.correction import ROW_STALE, correct_rows_of
 from estimators.kalman.covariance import FloatArray, IntArray, propagate_sparse
+from signals.record_memory import addresses_at, matrix_in, row_in, table_of, whole_matrix_in, whole_row_in
 
 # rows of the memory, nine columns each
 _STATE, _PREDICTED, _EXPECTED, _MEASURED, _TORQUES, _NOISE = range(6)
@@ -91,7 +93,8 @@ def filter_step(
     measure(state, tuning, forces, expected, design)
     for r in range(MEASUREMENTS):
         expected[r] = measured[r] - expected[r]
-    return correct_rows(
+    return correct_rows_of(
+        STATES,
         state,
         covariance,
         expected,
@@ -100,7 +103,7 @@ def filter_step(
         rows,
         tuning[GATE],
         DESIGN_COLUMNS,
-        scratch[:4],
+        scratch[:3],
     )
 
 
@@ -129,6 +132,25 @@ def _tick(
     finish_tick(stepped, state, covariance, status, tuning, forces, filters, out)
 
 
+@njit(cache=True)
+def _tick_at(memory: int) -> None:
+    """`_tick` on the arrays of a table: unpacking eleven of them takes a fifth of the filter's time."""
+    table: Any = addresses_at(memory)
+    _tick(
+        matrix_in(table, 0),
+        matrix_in(table, 1),
+        row_in(table, 2),
+        matrix_in(table, 3),
+        whole_row_in(table, 4),
+        row_in(table, 5),
+        matrix_in(table, 6),
+        whole_matrix_in(table, 7),
+        row_in(table, 8),
+        row_in(table, 9),
+        row_in(table, 10),
+    )
+
+
 class FrictionEkf(FrictionFilter):
     """Friction EKF; build it with :func:`estimators.create`."""
 
@@ -141,8 +163,7 @@ class FrictionEkf(FrictionFilter):
         self._tuning[GATE] = settings.gate**2
         self._tuning[SUBSTEPS] = settings.prediction_substeps
         self._tuning[PROCESS_VARIANCE : PROCESS_VARIANCE + STATES] /= settings.prediction_substeps
-        self.tick = partial(
-            _tick,
+        self._arrays = (
             self._memory,
             self._history,
             self._status,
@@ -152,3 +173,11 @@ class FrictionEkf(FrictionFilter):
             self._guard,
             self._positions,
         )
+        self.tick = partial(_tick, *self._arrays)
+        self._bound: list[tuple[Any, ...]] = []
+
+    def bind(self, inputs: FloatArray, ages: FloatArray, out: FloatArray) -> Callable[[], Any]:
+        """A tick on these arrays, which are kept."""
+        table = table_of(*self._arrays, inputs, ages, out)
+        self._bound.append((table, inputs, ages, out))
+        return partial(_tick_at, int(table.ctypes.data))

@@ -29,14 +29,15 @@ INPUTS_GOOD, INPUTS_HELD, INPUTS_LOST = 0, 1, 2
 
 
 def input_guard(
-    names: Sequence[str], timeout_s: float, ranges: Mapping[str, tuple[float, float]] | None = None
+    names: Sequence[str | None], timeout_s: float, ranges: Mapping[str, tuple[float, float]] | None = None
 ) -> tuple[FloatArray, IntArray]:
     """Memory and positions for :func:`accept_inputs`.
 
     Parameters
     ----------
-    names : sequence of str
-        Catalogue names of the decoded signals, in the order in which the estimator wants them.
+    names : sequence of str or None
+        Catalogue names of the decoded signals, in the order in which the estimator wants them; None for a row that no
+        signal feeds: its value stays 0 and it is never lost.
     timeout_s : float
         Time without a good sample after which an input is lost.
     ranges : mapping, optional
@@ -53,6 +54,9 @@ def input_guard(
     positions = np.zeros((len(names), 2), dtype=np.int64)
     bus, ages = block_slice("bus").start, block_slice("bus_age").start
     for row, name in enumerate(names):
+        if name is None:
+            guard[row, TIMEOUT] = np.nan  # every comparison with it is false: nothing arrives, nothing is too old
+            continue
         channel = CHANNELS[name]
         low, high = (ranges or {}).get(name, (channel.low, channel.high))
         guard[row, LOW], guard[row, HIGH], guard[row, TIMEOUT] = low, high, timeout_s

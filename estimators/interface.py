@@ -8,6 +8,7 @@ finite.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,10 @@ class Estimator(ABC):
     @abstractmethod
     def reset(self) -> None:
         """Return to the state of a new estimator."""
+
+    def bind(self, inputs: FloatArray, ages: FloatArray, out: FloatArray) -> Callable[[], Any]:
+        """A tick on these arrays, which stay the same tick by tick; valid as long as the estimator is there."""
+        return partial(self.tick, inputs, ages, out)
 
     def replay(self, columns: Mapping[str, FloatArray], ages: Mapping[str, FloatArray] | None = None) -> FloatArray:
         """Run over recorded signals, one sample per tick.

@@ -84,6 +84,22 @@ def _stiffest(x_row: FloatArray, mu_row: FloatArray, count: int, b: float, objec
 
 
 @njit(cache=True)
+def _stiffness_of_earlier(curve: Any, x_row: FloatArray, mu_row: FloatArray, count: int, b: float, objective: float,
+                          scratch: FloatArray, t: Any) -> float:  # fmt: skip
+    """Stiffness that the wheel's earlier curves told, where it explains these data too; else their own, ``b``.
+
+    Data that end before the peak tell the slope B D well, but hardly how it divides: noise moves B, and D against it.
+    All or nothing: halfway to the curve of another road would be neither road's.
+    """
+    known = curve.known_b
+    if known <= 0.0:
+        return b
+    d, j = best_limit(x_row, mu_row, count, known, t.curve_c, t.low_d, t.high_d, scratch)
+    explains = j <= (1.0 + t.agreement) * objective
+    return known if explains and r_squared(x_row, mu_row, count, d, known, t.curve_c) >= t.lowest_r_squared else b
+
+
+@njit(cache=True)
 def _claim(curve: Any, b: float, direction: int, t: Any) -> None:
     """Tell whether this fit can claim to have come before the latest share of the peak.
 
@@ -138,7 +154,13 @@ def conclude_fit(
         curve.threshold = wanted if reached else x
         stiffest = _stiffest(x_row, mu_row, count, b, objective, direction, scratch, t)
         curve.start = _wanted_reach(stiffest, direction, t)
+    # what starts and claims a fit is its own curve, so that errors do not hand themselves on
+    told_b = _stiffness_of_earlier(curve, x_row, mu_row, count, b, objective, scratch, t)
     _claim(curve, b, direction, t)
+    if told_b != b:
+        b = told_b
+        d, objective = best_limit(x_row, mu_row, count, b, t.curve_c, t.low_d, t.high_d, scratch)
+        quality = r_squared(x_row, mu_row, count, d, b, t.curve_c)
     attained = 0.0
     for k in range(count):
         attained = max(attained, abs(mu_row[k]))

@@ -16,7 +16,7 @@ from numba import njit
 from estimators.inputs import INPUTS_LOST, VALUE, accept_inputs, forget_inputs, input_guard
 from estimators.interface import Estimator
 from estimators.kalman.covariance import FloatArray, IntArray, all_finite
-from estimators.neural_force_model import STAYS_AWAKE, force_car, network_centres, observer_gains
+from estimators.neural_force_model import force_car, mean_rim_speed, network_centres, observer_gains, rolls
 from estimators.neural_force_settings import NEURAL_FORCE_OUTPUTS, NeuralForceSettings, neural_force_inputs
 
 IN_YAW_RATE, IN_ANGLE, IN_COMMAND, IN_WHEELS = range(4)
@@ -81,14 +81,6 @@ def _learn(weights: FloatArray, activations: FloatArray, push: float, forgetting
 
 
 @njit(cache=True)
-def _mean_rim_speed(car: Any, guard: FloatArray) -> float:
-    total = 0.0
-    for i in range(4):
-        total += 0.25 * car.radius[i] * guard[IN_WHEELS + i, VALUE]
-    return total
-
-
-@njit(cache=True)
 def _observe(
     x: FloatArray,
     status: FloatArray,
@@ -103,7 +95,7 @@ def _observe(
     """One explicit Euler step of both observers (3.6)."""
     h = tuning[_STEP]
     yaw, angle, command = guard[IN_YAW_RATE, VALUE], guard[IN_ANGLE, VALUE], guard[IN_COMMAND, VALUE]
-    speed = _mean_rim_speed(car, guard)
+    speed = mean_rim_speed(car, guard, IN_WHEELS)
     divisor = max(speed, car.slowest)
     rear = car.rear_sign * car.rear
     regressors(x[YAW_RATE] / _YAW_SCALE, x[LATERAL_SPEED] / _LATERAL_SCALE, grids[0], tuning, active[0])
@@ -160,7 +152,7 @@ def _trust(status: FloatArray, car: Any, tuning: FloatArray, angle: float, speed
 def _begin(x: FloatArray, networks: tuple[FloatArray, FloatArray], car: Any, guard: FloatArray) -> None:
     """Start at the measurement: a wrong start of the speed would peak in the rear force (finding F9)."""
     x[YAW_RATE], x[ANGLE] = guard[IN_YAW_RATE, VALUE], guard[IN_ANGLE, VALUE]
-    x[SPEED], x[LATERAL_SPEED] = _mean_rim_speed(car, guard), 0.0
+    x[SPEED], x[LATERAL_SPEED] = mean_rim_speed(car, guard, IN_WHEELS), 0.0
     networks[0][:] = 0.0
     networks[1][:] = 0.0
 
@@ -183,10 +175,8 @@ def _tick(
 ) -> None:
     car = car_rows[0]
     status[_VERDICT] = accept_inputs(guard, positions, inputs, ages, tuning[_STEP])
-    # a wheel that has not shown its second edge yet reads zero: to begin there would peak in the rear force
-    least = car.slowest * (STAYS_AWAKE if status[_ACTIVE] > 0.0 else 1.0)
     untold = tuning[_STATE_ERROR] > 0.0 and math.isnan(told[0])
-    if status[_VERDICT] == INPUTS_LOST or untold or _mean_rim_speed(car, guard) < least:
+    if status[_VERDICT] == INPUTS_LOST or untold or not rolls(car, guard, IN_WHEELS, status[_ACTIVE] > 0.0):
         if status[_ACTIVE] > 0.0:
             status[_RESETS] += 1.0
         x[:] = 0.0

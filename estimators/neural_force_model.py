@@ -1,10 +1,13 @@
 """Single-track car of the force document for its observers: numbers, gains, error dynamics (its sections 2 and 3)."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
+from estimators.inputs import VALUE
 from estimators.kalman.covariance import FloatArray
 from estimators.neural_force_settings import NeuralForceSettings, RandomWalkForceSettings
 from estimators.vehicle_numbers import GRAVITY_M_S2, required
@@ -61,6 +64,30 @@ def force_car(
         tau = settings.steering_time_constant
         car["time_constant"] = vehicle.get("steered_track.steering_time_constant", 0.1) if tau is None else tau
     return record
+
+
+@njit(cache=True)
+def mean_rim_speed(car: Any, guard: FloatArray, wheels: int) -> float:
+    """Mean of the four rim speeds [m/s]; ``wheels`` is the row of the first wheel speed in the guard."""
+    total = 0.0
+    for i in range(4):
+        total += 0.25 * car.radius[i] * guard[wheels + i, VALUE]
+    return total
+
+
+@njit(cache=True)
+def rolls(car: Any, guard: FloatArray, wheels: int, runs: bool) -> bool:
+    """Whether the wheels tell a speed to begin at, or to go on with.
+
+    A wheel that has not shown its second edge yet reads zero: the mean of the four is too low by its share, and an
+    observer that begins there answers with some 10 kN until its speed has caught up. So every wheel has to turn first.
+    """
+    if runs:
+        return mean_rim_speed(car, guard, wheels) >= STAYS_AWAKE * car.slowest
+    least = car.radius[0] * guard[wheels, VALUE]
+    for i in range(1, 4):
+        least = min(least, car.radius[i] * guard[wheels + i, VALUE])
+    return least >= car.slowest
 
 
 def observer_gains(settings: NeuralForceSettings, time_constant: float) -> tuple[float, float, float, float]:

@@ -15,7 +15,7 @@ from estimators.inputs import INPUTS_LOST, VALUE, accept_inputs, forget_inputs, 
 from estimators.interface import Estimator
 from estimators.kalman.correction import ROW_USED, correct_rows
 from estimators.kalman.covariance import FloatArray, IntArray, all_finite, propagate
-from estimators.neural_force_model import STAYS_AWAKE, force_car
+from estimators.neural_force_model import force_car, mean_rim_speed, rolls
 from estimators.neural_force_settings import RandomWalkForceSettings, random_walk_inputs
 
 STATES = 5
@@ -91,12 +91,9 @@ def _tick(
     x, covariance = memory[0], memory[1 : 1 + STATES]
     next_x, jacobian, work = memory[1 + STATES], memory[2 + STATES : 2 + 2 * STATES], memory[2 + 2 * STATES :]
     status[_VERDICT] = accept_inputs(guard, positions, inputs, ages, step)
-    speed = 0.0
-    for i in range(4):
-        speed += 0.25 * car.radius[i] * guard[_IN_WHEELS + i, VALUE]
+    speed = mean_rim_speed(car, guard, _IN_WHEELS)
     yaw_rate = guard[_IN_YAW_RATE, VALUE]
-    least = car.slowest * (STAYS_AWAKE if status[_ACTIVE] > 0.0 else 1.0)
-    if status[_VERDICT] == INPUTS_LOST or speed < least:
+    if status[_VERDICT] == INPUTS_LOST or not rolls(car, guard, _IN_WHEELS, status[_ACTIVE] > 0.0):
         status[_RESETS] += status[_ACTIVE]
         status[_ACTIVE] = status[_INNOVATION] = 0.0
         _begin(memory, 0.0, 0.0, initial)

@@ -50,6 +50,7 @@ from estimators.vehicle_state_settings import (
     RoadGradeSettings,
     VehicleStateSettings,
     WheelSlidingModeSettings,
+    lateral_inputs,
     state_inputs,
 )
 from estimators.vertical_load_settings import (
@@ -137,7 +138,7 @@ def _registry() -> dict[str, Description]:
             summary="yaw rate, lateral speed, slip angles and lateral friction of each wheel, by an unscented filter",
             source="vehicle-state document, 3.2 and 3.3",
             settings=VehicleStateSettings,
-            inputs=state_inputs,
+            inputs=lateral_inputs,
             outputs=LATERAL_OUTPUTS,
             implementation="estimators.vehicle_state_ukf:VehicleStateUkf",
         ),

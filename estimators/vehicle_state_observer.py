@@ -41,6 +41,7 @@ from estimators.vehicle_state_settings import (
     LateralSettings,
     LongitudinalSettings,
     StateSettings,
+    lateral_inputs,
     state_inputs,
 )
 from estimators.vehicle_state_tick import ObserverParts, forget_state, observe
@@ -118,8 +119,10 @@ class StateObserver(Estimator):
         self.state, self.covariance = self._memory.x, self._memory.covariance
         self._pairs, self._scratch = np.zeros((CURVES, 2, BUFFER)), np.zeros((2, BUFFER))
         self._log, self._logged = np.zeros((LOG_ROWS, len(LOG_COLUMNS))), np.zeros(1)
-        inputs = state_inputs(settings)
-        self._guard, self._positions = input_guard(inputs, settings.input_timeout)
+        rows = state_inputs(settings)
+        inputs = rows if self.longitudinal else lateral_inputs(settings)
+        fed = tuple(name if name in inputs else None for name in rows)
+        self._guard, self._positions = input_guard(fed, settings.input_timeout)
         super().__init__(self.estimator_name, inputs, sample_time_s)
         parts = ObserverParts(
             self._rows,
@@ -262,6 +265,7 @@ class StateObserver(Estimator):
         t["high_threshold"] = fit.highest_lateral, fit.highest_longitudinal
         t["threshold_times_b"] = fit.share_lateral, fit.share_longitudinal
         t["start_doubt"], t["doubt"] = fit.start_doubt, (fit.doubt, -1.0)
+        t["agreement"] = fit.agreement
         t["doubtful_times_b"] = _times_b(fit.doubtful_share, fit.shape), 1.0
         t["latest_times_b"] = [_times_b(share, fit.shape) for share in (fit.latest_lateral, fit.latest_longitudinal)]
         t["hysteresis"], t["fewest_points"] = fit.hysteresis, fit.fewest_points

@@ -187,6 +187,7 @@ TUNING_RECORD = np.dtype(
         ("high_threshold", "f8", (2,)),
         ("threshold_times_b", "f8", (2,)),
         ("start_doubt", "f8"),
+        ("agreement", "f8"),
         ("doubt", "f8", (2,)),
         ("doubtful_times_b", "f8", (2,)),
         ("latest_times_b", "f8", (2,)),

@@ -203,6 +203,14 @@ class CurveSettings(FileModel):
         description="the next start is at the threshold of the stiffest curve whose J is larger by it at most",
         source=_OWN,
     )
+    agreement: float = parameter(
+        "1",
+        0.2,
+        low=0.0,
+        high=1.0,
+        description="B is that of the wheel's earlier curves, and D with it, where J is larger by it at most; 0: best",
+        source=_OWN,
+    )
     doubtful_share: float = parameter(
         "1", 0.725, low=0.1, high=0.95, description="lateral: share of the peak up to which data may grow", source=_OWN
     )
@@ -309,6 +317,11 @@ PRESSURE_ROWS = TORQUE_INPUTS[:4]
 
 
 def state_inputs(settings: StateSettings) -> tuple[str, ...]:
-    """Decoded signals that a vehicle-state observer reads: production sensors only (AC-60)."""
+    """Decoded signals that a vehicle-state observer reads, production sensors only (AC-60), in the tick's order."""
     pressures = PRESSURE_ROWS if settings.longitudinal.brake_torque == "pressure" else ()
     return (*MOTION_ROWS, *DRIVE_ROWS, *pressures)
+
+
+def lateral_inputs(settings: StateSettings) -> tuple[str, ...]:
+    """Those of the lateral filter alone: its speed is the odometer's, so that it asks for no torque."""
+    return (*MOTION_ROWS, "brake_switch")

@@ -122,6 +122,58 @@ def correct(
     return squared
 
 
+@njit(cache=True, inline="always")
+def _correct_row_of(
+    states: int,
+    correction: FloatArray,
+    covariance: FloatArray,
+    residual: float,
+    row: FloatArray,
+    columns: IntArray,
+    variance: float,
+    gate: float,
+    work: FloatArray,
+) -> float:
+    cross, gain = work[0], work[1]
+    error = residual
+    for i in range(states):
+        cross[i] = 0.0
+    used = 0
+    for c in range(columns.shape[0]):
+        k = columns[c]
+        if k < 0:
+            break
+        used += 1
+        factor = row[k]
+        error -= factor * correction[k]
+        for i in range(states):
+            cross[i] += factor * covariance[k, i]
+    total = variance
+    for c in range(used):
+        k = columns[c]
+        total += row[k] * cross[k]
+    squared = error * error / total
+    if gate > 0.0 and squared > gate:
+        return -squared
+    inverse = 1.0 / total
+    for i in range(states):
+        gain[i] = cross[i] * inverse
+        correction[i] += gain[i] * error
+    # both factors of the Joseph form row by row: the second needs of (I - K H) P only the row itself
+    for i in range(states):
+        own = gain[i]
+        for j in range(states):
+            covariance[i, j] -= own * cross[j]
+        moved = 0.0
+        for c in range(used):
+            k = columns[c]
+            moved += row[k] * covariance[i, k]
+        share = variance * own - moved
+        for j in range(states):
+            covariance[i, j] += share * gain[j]
+    return squared
+
+
 @njit(cache=True)
 def correct_row(
     correction: FloatArray,
@@ -151,7 +203,7 @@ def correct_row(
         Noise variance of this row.
     gate : float
         A row whose normalised innovation squared is above it is left out; 0 uses every row.
-    work : array, shape (3, n)
+    work : array, shape (2, n)
         Scratch.
 
     Returns
@@ -159,47 +211,42 @@ def correct_row(
     float
         Normalised innovation squared; negative if the row was left out.
     """
-    n = covariance.shape[0]
-    cross, gain, moved = work[0], work[1], work[2]
-    error = residual
-    for i in range(n):
-        cross[i] = 0.0
-    for c in range(columns.shape[0]):
-        k = columns[c]
-        if k < 0:
-            break
-        factor = row[k]
-        error -= factor * correction[k]
-        for i in range(n):
-            cross[i] += factor * covariance[k, i]
-    total = variance
-    for c in range(columns.shape[0]):
-        k = columns[c]
-        if k < 0:
-            break
-        total += row[k] * cross[k]
-    squared = error * error / total
-    if gate > 0.0 and squared > gate:
-        return -squared
-    inverse = 1.0 / total
-    for i in range(n):
-        gain[i] = cross[i] * inverse
-        correction[i] += gain[i] * error
-        moved[i] = 0.0
-    for i in range(n):
-        for j in range(n):
-            covariance[i, j] -= gain[i] * cross[j]
-    for c in range(columns.shape[0]):
-        k = columns[c]
-        if k < 0:
-            break
-        for i in range(n):
-            moved[i] += row[k] * covariance[i, k]
-    for i in range(n):
-        share = variance * gain[i] - moved[i]
-        for j in range(n):
-            covariance[i, j] += share * gain[j]
-    return squared
+    return _correct_row_of(covariance.shape[0], correction, covariance, residual, row, columns, variance, gate, work)
+
+
+@njit(cache=True, inline="always")
+def correct_rows_of(
+    states: int,
+    state: FloatArray,
+    covariance: FloatArray,
+    residual: FloatArray,
+    design: FloatArray,
+    variances: FloatArray,
+    rows: IntArray,
+    gate: float,
+    columns: IntArray,
+    work: FloatArray,
+) -> float:
+    """:func:`correct_rows` for a number of states that is a constant of the caller: its loops are unrolled."""
+    correction = work[2]
+    for i in range(states):
+        correction[i] = 0.0
+    total = 0.0
+    for r in range(residual.shape[0]):
+        if rows[r] < ROW_USED:
+            continue
+        squared = _correct_row_of(
+            states, correction, covariance, residual[r], design[r], columns[r], variances[r], gate, work
+        )
+        if squared < 0.0:
+            rows[r] = ROW_GATED
+        else:
+            rows[r] = ROW_USED
+            total += squared
+    symmetrise(covariance)
+    for i in range(states):
+        state[i] += correction[i]
+    return total
 
 
 @njit(cache=True)
@@ -228,24 +275,9 @@ def correct_rows(
         Largest normalised innovation squared of a row; 0 uses every row.
     columns : array of int, shape (m, k)
         Columns in which H may be non-zero, each row ended by -1 if it has fewer than k.
-    work : array, shape (4, n)
+    work : array, shape (3, n)
         Scratch.
     """
-    n = covariance.shape[0]
-    correction = work[3]
-    for i in range(n):
-        correction[i] = 0.0
-    total = 0.0
-    for r in range(residual.shape[0]):
-        if rows[r] < ROW_USED:
-            continue
-        squared = correct_row(correction, covariance, residual[r], design[r], columns[r], variances[r], gate, work)
-        if squared < 0.0:
-            rows[r] = ROW_GATED
-        else:
-            rows[r] = ROW_USED
-            total += squared
-    symmetrise(covariance)
-    for i in range(n):
-        state[i] += correction[i]
-    return total
+    return correct_rows_of(
+        covariance.shape[0], state, covariance, residual, design, variances, rows, gate, columns, work
+    )

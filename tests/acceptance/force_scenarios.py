@@ -97,9 +97,10 @@ def observe(
     signals: Mapping[str, FloatArray],
     settings: Mapping[str, Any] | None = None,
     estimator: str = "neural_force_observer",
+    car: Mapping[str, float] | None = None,
 ) -> dict[str, FloatArray]:
-    """Outputs of an observer by name."""
-    built = create(estimator, numbers(), dict(settings or {}))
+    """Outputs of an observer by name; ``car`` is what it believes, the document's if nothing is told."""
+    built = create(estimator, car or numbers(), dict(settings or {}))
     results = built.replay(signals)
     return {signal.name.partition(".")[2]: results[:, k] for k, signal in enumerate(built.outputs)}
 

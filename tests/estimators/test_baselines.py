@@ -171,6 +171,8 @@ def test_the_filter_is_less_disturbed_by_noise_than_the_simple_evaluation(path, 
     assert filtered < plain
 
 
+# each day: the same limits over bus and procedure in tests/bench/estimation/test_surfaces.py
+@pytest.mark.nightly
 @pytest.mark.acceptance("F-A18")
 def test_a_road_with_4_percent_shorter_stops_is_told(record):
     """Five stops on each of two roads, 0.3 m/s^2 noise, torque zero: 2 ... 6 % in at least 19 of 20 seeds."""

@@ -308,3 +308,21 @@ def test_vehicle_without_a_number_is_refused():
         "longitudinal_acceleration",
         *(f"wheel_speed_{wheel}" for wheel in WHEELS),
     )
+
+
+def test_a_bound_tick_is_a_tick():
+    """The same numbers to the last bit, by arrays and by the address of their table."""
+    columns, ages = twin.held(twin.measured(twin.simulate(LOW, abs_on=True)))
+    results = estimators.create("friction_ekf", twin.TABLE_8).replay(columns, ages)
+    estimator = estimators.create("friction_ekf", twin.TABLE_8)
+    age_block = block_slice("bus_age")
+    inputs, input_ages = np.zeros(BUS.stop - BUS.start), np.zeros(age_block.stop - age_block.start)
+    out = np.zeros(len(estimator.outputs))
+    tick = estimator.bind(inputs, input_ages, out)
+    for k in range(len(results)):
+        for name in estimator.inputs:
+            inputs[index_of(name) - BUS.start] = columns[name][k]
+        for name, values in ages.items():
+            input_ages[index_of(name) - age_block.start] = values[k]
+        tick()
+        assert np.array_equal(out, results[k])
