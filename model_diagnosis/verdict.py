@@ -11,7 +11,10 @@ UNSHOWN_SHARE = 0.5
 """Nothing found on data that does not excite this share of the catalogue's effects is no finding."""
 
 BLIND_SHARE = 0.9
-"""Data that shows hardly one effect of the car cannot acquit the car, whatever is wrong with the data itself."""
+"""Data that shows hardly one effect of the car can neither acquit the car nor say that it is another one.
+
+Several numbers far off are then one number, said by several that the data cannot tell apart.
+"""
 
 OF_THE_CAR = sum(effect.group not in DATA_GROUPS for effect in EFFECTS)
 """Effects that the sensitivities answer for, not the checks of the data."""
@@ -29,13 +32,14 @@ def verdict_of(
     effects: int,
 ) -> Verdict:
     """One word for the answer; the worst about the model first, then about the data."""
+    blind = len(insufficient) > BLIND_SHARE * OF_THE_CAR
     if wrong is not None:
-        return "wrong_vehicle"
+        return "insufficient_data" if blind else "wrong_vehicle"
     if causes:
         return "indistinguishable" if len(causes[0].group) > 1 else "effect_found"
     if terms:
         return "effect_found"
-    if len(insufficient) > BLIND_SHARE * OF_THE_CAR:
+    if blind:
         return "insufficient_data"
     if any(fault.kind not in NOT_A_FAULT for fault in faults):
         return "data_fault"

@@ -76,6 +76,13 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         EffectParameter("share", "1", -0.6, 0.6, 0.25, 0.25),
     ),
     _form(
+        "form_inferred_braking",
+        Group.DRIVELINE,
+        "the front axle's share of braking that no channel tells is the pads' + d: part of it may be the engine's",
+        ("wheel_speed_fl", "wheel_speed_fr", "wheel_speed_rl", "wheel_speed_rr"),
+        EffectParameter("front", "1", -1.0, 1.0, 0.3, 0.3, relative=False),
+    ),
+    _form(
         "form_lag",
         Group.SENSOR,
         "tau <- tau + d of accelerometers, gyro, wheel speeds, speed and steering; loggers align by whole samples",

@@ -1,7 +1,7 @@
 """What the sensor effects do to signals, and their columns of the sensitivity matrix without any simulation.
 
 ``measured_signals`` turns true signals into what the sensors report, ``sensor_columns`` is its derivative, and
-``true_inputs`` turns reported pressures into those that drive the replay. Deviations are given by column,
+``true_inputs`` turns reported inputs into those that drive the replay. Deviations are given by column,
 ``<effect>.<parameter>``; a missing one is neutral, and neutral deviations leave every array bit-identical.
 """
 
@@ -16,6 +16,14 @@ FloatArray = NDArray[np.float64]
 
 _AXES = {"longitudinal": "longitudinal_acceleration", "lateral": "lateral_acceleration"}
 _SMOOTHING_S = 0.05
+
+ACCELERATION_COLUMNS = ("accelerometer_offset.longitudinal", "accelerometer_scale.longitudinal")
+PRESSURE_COLUMNS = (
+    "pressure_sensor_scale.wheels",
+    "pressure_sensor_offset.wheels",
+    "pressure_sensor_lag.time_constant",
+)
+"""Columns that change what drives a replay; the acceleration drives it only where a force was not measured."""
 
 
 def measured_signals(
@@ -154,29 +162,38 @@ def ring_carriers(time: FloatArray, wheel_speeds: FloatArray) -> FloatArray:
 def true_inputs(
     deviations: Mapping[str, float], time: FloatArray, channels: Mapping[str, FloatArray]
 ) -> dict[str, FloatArray]:
-    """Wheel pressures as they were, from those reported: p = (p' + tau dp'/dt − b)/s, never below zero.
+    """What drives the replay as it was, from what was reported.
 
-    The derivative is of p' smoothed over 50 ms, which only the lag itself sees.
+    Wheel pressures are p = (p' + tau dp'/dt − b)/s, never below zero; the derivative, which only the lag sees, is of
+    p' smoothed over 50 ms. The longitudinal acceleration, which stands in for forces that no channel tells, is
+    a = (a' − b_x)/s_x.
 
     Parameters
     ----------
-    deviations : column -> deviation of pressure_sensor_scale, _offset [Pa], _lag [s]
+    deviations : column -> deviation of ``PRESSURE_COLUMNS`` and ``ACCELERATION_COLUMNS``
     time : (n,) [s], equal steps
-    channels : name -> (n,); only ``brake_pressure_*`` are changed, the others are handed through
+    channels : name -> (n,); others than these two are handed through
     """
+    inputs = dict(channels)
+    _true_pressures(inputs, deviations, float(time[1] - time[0]))
+    offset, scale = (deviations.get(column, 0.0) for column in ACCELERATION_COLUMNS)
+    felt = channels.get("longitudinal_acceleration")
+    if felt is not None and (offset != 0.0 or scale != 0.0):
+        inputs["longitudinal_acceleration"] = (felt - offset) / (1.0 + scale)
+    return inputs
+
+
+def _true_pressures(inputs: dict[str, FloatArray], deviations: Mapping[str, float], step: float) -> None:
     scale = 1.0 + deviations.get("pressure_sensor_scale.wheels", 0.0)
     offset = deviations.get("pressure_sensor_offset.wheels", 0.0)
     lag = deviations.get("pressure_sensor_lag.time_constant", 0.0)
-    inputs = dict(channels)
     if scale == 1.0 and offset == 0.0 and lag == 0.0:
-        return inputs
-    step = float(time[1] - time[0])
+        return
     for wheel in WHEELS:
-        reported = channels.get(f"brake_pressure_{wheel}")
+        reported = inputs.get(f"brake_pressure_{wheel}")
         if reported is not None:
             leading = reported + (lag * _slope(reported, step) if lag != 0.0 else 0.0)
             inputs[f"brake_pressure_{wheel}"] = np.maximum((leading - offset) / scale, 0.0)
-    return inputs
 
 
 def _slope(values: FloatArray, step: float) -> FloatArray:

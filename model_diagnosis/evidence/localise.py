@@ -123,7 +123,7 @@ def violated_by_innovations(
     for m, (matrix, weight) in enumerate(zip(linearisation.matrices, linearisation.weights, strict=True)):
         unexplained = nominal[m] - matrix @ explained
         for name, answer in answers(m).items():
-            shown = _whitened(problem, m, answer)
+            shown = problem.whitener.whitened(m, answer)
             weighted = shown * (weight / temperature)[:, None]
             scores.setdefault(name, []).append(weighted.T @ unexplained)
             informations.setdefault(name, []).append(weighted.T @ shown)
@@ -134,12 +134,6 @@ def violated_by_innovations(
         information = block_diagonal(informations[name]) - crossing @ covariance @ crossing.T
         found[name] = violation(np.concatenate(score), information)
     return dict(sorted(found.items(), key=lambda item: -item[1].likelihood_ratio))
-
-
-def _whitened(problem: Problem, m: int, values: FloatArray) -> FloatArray:
-    """Values (n, c, k) of a manoeuvre behind the whitening filters of its signals, one below the other."""
-    parts = [one.apply(values[:, one.column]) for one in problem.whitener.filters[m]]
-    return np.concatenate(parts) if parts else np.zeros((0, values.shape[2]))
 
 
 def violation(score: FloatArray, information: FloatArray, usual: float = 0.0) -> Violation:

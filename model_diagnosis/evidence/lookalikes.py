@@ -4,7 +4,7 @@ Source: model discrepancy anchor, section 3.7: the group of the winner is every 
 3 at the winner's size and an evidence, after refit, less than 3 below the winner's.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +20,7 @@ from model_diagnosis.evidence.threshold import probabilities
 FloatArray = NDArray[np.float64]
 
 REFITTED = 6
-"""Look-alikes refitted at most, those with the least expected separation first."""
+"""Look-alikes refitted at most, those with the least expected separation first; and as many rivals by evidence."""
 
 
 @dataclass(frozen=True)
@@ -68,9 +68,17 @@ def look_alikes(
         evidence[effect] = _refitted(search, selection, quadratic, rest, effect, accepted)
         if effect in forced or accepted.evidence - evidence[effect] < SEPARATION_NEEDED:
             group.append(effect)
+    for effect in _rivals(evidence, accepted, {*group, *forced, *close[:REFITTED]}):
+        evidence[effect] = _refitted(search, selection, quadratic, rest, effect, accepted)
     probability, nothing = probabilities(evidence)
     alike = _correlations(search, quadratic, rest, own, group[1:])
     return LookAlikes(tuple(group), evidence, probability, nothing, separations, alike)
+
+
+def _rivals(evidence: FloatArray, accepted: Accepted, known: Collection[int]) -> list[int]:
+    """Effects that sensitivities alone put near or above an accepted one: far from it they promise too much."""
+    order = [int(effect) for effect in np.argsort(-evidence) if int(effect) not in known]
+    return [effect for effect in order[:REFITTED] if accepted.evidence - evidence[effect] < SEPARATION_NEEDED]
 
 
 def _correlations(

@@ -18,7 +18,7 @@ from model_diagnosis.evidence.manoeuvre_library import LIBRARY, PlannedManoeuvre
 from model_diagnosis.evidence.quadratic import Quadratic
 from model_diagnosis.evidence.replay_model import ReplayModel
 from model_diagnosis.evidence.structure import are_forced_together, separating_sensor
-from model_diagnosis.evidence.whitening import SignalFilter, Whitener
+from model_diagnosis.evidence.whitening import Memory, SignalFilter, Whitener
 from model_diagnosis.result import NextManoeuvre
 
 FloatArray = NDArray[np.float64]
@@ -130,4 +130,6 @@ def typical_whitener(known: Whitener, replay: ReplayModel) -> Whitener:
             typical = next(one for one in candidates if one.sigma == level)
             row.append(replace(typical, column=column, samples=samples))
         made.append(tuple(row))
-    return Whitener(tuple(made), known.temperature)
+    leak = known.memories[0].leak if known.memories else 1.0
+    memories = tuple(Memory(replay.corrections(number), leak) for number in range(len(made)))
+    return Whitener(tuple(made), known.temperature, memories)

@@ -40,6 +40,10 @@ class ReplayModel(Protocol):
         """Derivative of the prediction to the deviations, (n, c, len(columns)) per manoeuvre."""
         ...
 
+    def corrections(self, manoeuvre: int) -> FloatArray:
+        """(c, k) change of each of k states of the observer by one unit of each signal's residual; k may be 0."""
+        ...
+
     def sensor_std(self, signal: str) -> float:
         """Own noise of the signal's sensor in the signal's unit."""
         ...

@@ -1,29 +1,80 @@
-"""Whitening of residuals and sensitivities: AR(4) per signal, inflation where the form is wrong, temperature.
+"""Whitening of residuals and sensitivities: AR(4) per signal, the observer's memory, inflation where the form is wrong.
 
 Source: model discrepancy anchor, section 3.4. The filter runs over the valid samples of a signal one after the other,
 so that a signal held for ten samples out of eleven is whitened at its own rate.
+
+The observer draws the predicted speed to the measured one, and with it the sensor's noise comes into all wheels: they
+err by the same slow error, and what they say is not said four times. A leaky sum of the past residuals times the
+observer's gain is what it has put there; the regressions of speed and wheel speeds have it beside their own past (an
+autoregression with an exogenous input), so that the innovations of different signals are free of it. The filter is
+linear and causal, so residuals and sensitivities pass through it alike.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 from scipy.sparse import csr_array
 
 from model_diagnosis.evidence.replay_model import ReplayModel
+from model_diagnosis.replay.gaps import GAP_STEPS, ends_of_gaps, pieces_of
 from model_diagnosis.replay.smoothing import noise_of
+from signals.wheels import WHEELS
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-ORDER = 4
+ORDER = GAP_STEPS
 RIDGE = 1e-5
+LEAKS = (0.05, 0.0125, 0.003, 0.0008)
+"""Shares of the observer's corrections that are forgotten per sample, tried: after 0.2 s, 0.8 s, 3 s and 12 s.
+
+A perfect model's lasts for ever; where the model's form drifts, the sum of its corrections drifts with it."""
+
+OF_SPEED = ("speed", *(f"wheel_speed_{wheel}" for wheel in WHEELS))
+"""Signals that the observer's speed is predicted in. Others err by its rate at most, and a regression on a slow sum
+finds what is not there."""
+
 HUBER_LIMIT = 3.0
 TEMPERATURE_BLOCK_SAMPLES = 50
 INFLATION_BLOCKS_SAMPLES = (20, 50)
 LOCAL_VARIANCES = 10
 LOCAL_VARIANCE_ALLOWANCE = 1.5
+
+
+@dataclass(frozen=True)
+class Memory:
+    """What the observer has put on its states in one manoeuvre, from the residuals that it saw.
+
+    Attributes
+    ----------
+    corrections : (c, k) change of each of k states by one unit of each signal's residual
+    leak : share that is forgotten from sample to sample
+    begins : samples with which the observer began anew behind a gap: what it had put there before is gone
+    """
+
+    corrections: FloatArray
+    leak: float
+    begins: tuple[int, ...] = ()
+
+    def of(self, values: FloatArray, filters: Sequence["SignalFilter"]) -> FloatArray:
+        """Leaky sums (n, k, …) of the corrections before each sample, of residuals or sensitivities (n, c, …)."""
+        moved = np.zeros((len(values), self.corrections.shape[1], *values.shape[2:]))
+        for one in filters:
+            for state in np.flatnonzero(self.corrections[one.column]):
+                moved[one.samples, state] += self.corrections[one.column, state] * values[one.samples, one.column]
+        sums = np.zeros_like(moved)
+        for begin, end in pairwise([0, *self.begins, len(moved)]):
+            sums[begin:end] = lfilter([0.0, 1.0], [1.0, self.leak - 1.0], moved[begin:end], axis=0)
+        return sums
+
+    def variance(self, of_signals: FloatArray) -> FloatArray:
+        """Variances (k,) of the sums where white residuals have these variances (c,)."""
+        return np.asarray((self.corrections**2).T @ of_signals / (1.0 - (1.0 - self.leak) ** 2))
 
 
 @dataclass(frozen=True)
@@ -38,6 +89,7 @@ class SignalFilter:
     coefficients : (4,) autoregression of the residual
     sigma : standard deviation of the innovations, inflation included, in the signal's unit
     inflation : variance factor for form errors, at least 1
+    of_memory : coefficients of the observer's sums; empty where they are left out
     """
 
     signal: str
@@ -46,43 +98,68 @@ class SignalFilter:
     coefficients: FloatArray
     sigma: float
     inflation: float
+    of_memory: FloatArray = field(default_factory=lambda: np.zeros(0))
 
-    def apply(self, values: FloatArray) -> FloatArray:
-        """Whiten (n, …) samples of this signal: (k - 4, …) innovations in units of sigma."""
+    @cached_property
+    def rows(self) -> IntArray:
+        """Places in ``samples`` of those that the filter predicts: with four before them and no gap in between."""
+        return rows_of(self.samples)
+
+    def apply(self, values: FloatArray, memory: FloatArray | None = None) -> FloatArray:
+        """Whiten (n, …) samples of this signal: (rows, …) innovations in units of sigma; ``memory`` (n, k, …)."""
         valid = values[self.samples]
-        white = valid[ORDER:].copy()
+        white = valid[self.rows]
         for lag, coefficient in enumerate(self.coefficients, start=1):
-            white -= coefficient * valid[ORDER - lag : -lag]
+            white -= coefficient * valid[self.rows - lag]
+        if memory is not None:
+            for state, coefficient in enumerate(self.of_memory):
+                white -= coefficient * memory[self.samples[self.rows], state]
         white /= self.sigma
         return white
 
 
+def rows_of(samples: IntArray) -> IntArray:
+    """Places (r,) in the valid samples (k,) that have as many before them as the filter is long, without a gap.
+
+    A gap is longer than the filter at the signal's usual rate: behind it nothing that the filter knows is of use.
+    """
+    piece = pieces_of(samples)
+    return np.asarray(np.flatnonzero(piece[ORDER:] == piece[:-ORDER]) + ORDER, dtype=np.int64)
+
+
 @dataclass(frozen=True)
 class Whitener:
-    """All filters, by manoeuvre, and the temperature that divides every quadratic form."""
+    """All filters, by manoeuvre, and the temperature that divides every quadratic form.
+
+    Attributes
+    ----------
+    memories : of the observer, by manoeuvre; empty where they are left out
+    """
 
     filters: tuple[tuple[SignalFilter, ...], ...]
     temperature: float = 1.0
-    rows: tuple[int, ...] = field(default=())
+    memories: tuple[Memory, ...] = ()
+
+    def whitened(self, m: int, values: FloatArray) -> FloatArray:
+        """Values (n, c, …) of manoeuvre ``m`` behind its filters (N_m, …), its signals one after the other."""
+        filters = self.filters[m]
+        if not filters:
+            return np.zeros((0, *values.shape[2:]))
+        memory = self.memories[m].of(values, filters) if self.memories else None
+        return np.concatenate([one.apply(values[:, one.column], memory) for one in filters])
 
     def residuals(self, residuals: Sequence[FloatArray]) -> list[FloatArray]:
         """Whitened residual (N_m,) of each manoeuvre, its signals one after the other."""
-        return [
-            _stack([one.apply(values[:, one.column]) for one in filters], ())
-            for filters, values in zip(self.filters, residuals, strict=True)
-        ]
+        return [self.whitened(m, values) for m, values in enumerate(residuals)]
 
     def sensitivities(self, sensitivities: Sequence[FloatArray]) -> list[FloatArray]:
         """Whitened sensitivities (N_m, p) of each manoeuvre."""
-        return [
-            _stack([one.apply(values[:, one.column]) for one in filters], values.shape[2:])
-            for filters, values in zip(self.filters, sensitivities, strict=True)
-        ]
+        return [self.whitened(m, values) for m, values in enumerate(sensitivities)]
 
     def blocks(self) -> list[IntArray]:
         """Number of the 0.5 s block that each whitened row of a manoeuvre belongs to."""
         return [
-            np.concatenate([one.samples[ORDER:] // TEMPERATURE_BLOCK_SAMPLES for one in filters])
+            np.concatenate([one.samples[one.rows] // TEMPERATURE_BLOCK_SAMPLES for one in filters])
             if filters
             else np.zeros(0, dtype=np.int64)
             for filters in self.filters
@@ -90,11 +167,7 @@ class Whitener:
 
     def log_sigma(self) -> float:
         """Sum over rows of log sigma: how well the residual behind this filter is predicted."""
-        return float(sum((len(one.samples) - ORDER) * np.log(one.sigma) for filters in self.filters for one in filters))
-
-
-def _stack(parts: list[FloatArray], shape: tuple[int, ...]) -> FloatArray:
-    return np.concatenate(parts) if parts else np.zeros((0, *shape))
+        return float(sum(len(one.rows) * np.log(one.sigma) for filters in self.filters for one in filters))
 
 
 def sensor_whitener(replay: ReplayModel) -> Whitener:
@@ -105,40 +178,86 @@ def sensor_whitener(replay: ReplayModel) -> Whitener:
             tuple(
                 SignalFilter(signal, column, samples, np.zeros(ORDER), replay.sensor_std(signal), 1.0)
                 for column, signal in enumerate(replay.signals(index))
-                if len(samples := np.flatnonzero(weights[:, column] > 0.0)) > 4 * ORDER
+                if len(rows_of(samples := np.flatnonzero(weights[:, column] > 0.0))) > 3 * ORDER
             )
         )
     return Whitener(tuple(filters))
 
 
 def fit_whitener(replay: ReplayModel, residuals: Sequence[FloatArray]) -> Whitener:
-    """Filters from the residual that no effect can explain (that of the saturated fit); temperature still 1."""
-    filters = []
-    for known, values in zip(sensor_whitener(replay).filters, residuals, strict=True):
+    """Filters from the residual that no effect can explain (that of the saturated fit); temperature still 1.
+
+    How long the observer's corrections stay in the predictions differs with what corrects them beside it: of the
+    ``LEAKS`` the one that predicts the residuals best is taken.
+    """
+    made = [_whitener_with_leak(replay, residuals, leak) for leak in LEAKS]
+    return min(made, key=lambda whitener: whitener.log_sigma())
+
+
+def _whitener_with_leak(replay: ReplayModel, residuals: Sequence[FloatArray], leak: float) -> Whitener:
+    filters, memories = [], []
+    for m, (known, values) in enumerate(zip(sensor_whitener(replay).filters, residuals, strict=True)):
+        begins = tuple(ends_of_gaps(replay.manoeuvres[m]).tolist())
+        memory = Memory(replay.corrections(m), leak, begins)
+        sums, lacking = memory.of(values, known), np.zeros(values.shape[1])
+        for one in known:
+            lacking[one.column] = _lacking_variance(values[one.samples, one.column], one.sigma)
+        of_memory = memory.variance(lacking)
         filters.append(
             tuple(
-                fit_signal(one.signal, one.column, one.samples, values[one.samples, one.column], one.sigma)
+                fit_signal(
+                    one.signal,
+                    one.column,
+                    one.samples,
+                    values[one.samples, one.column],
+                    one.sigma,
+                    sums[one.samples] if one.signal in OF_SPEED else None,
+                    of_memory,
+                )
                 for one in known
             )
         )
-    return Whitener(tuple(filters))
+        memories.append(memory)
+    return Whitener(tuple(filters), memories=tuple(memories))
 
 
-def fit_signal(signal: str, column: int, samples: IntArray, residual: FloatArray, own_std: float) -> SignalFilter:
-    """Filter of one signal from its residual (k,) at the valid samples, its sensor's noise ``own_std`` in its unit."""
-    lags = np.stack([residual[ORDER - lag : -lag] for lag in range(1, ORDER + 1)], axis=1)
-    gram = lags.T @ lags
-    gram[np.diag_indices(ORDER)] += RIDGE * max(float(np.trace(gram)) / ORDER, 1e-300)
+def _lacking_variance(residual: FloatArray, own_std: float) -> float:
+    """What a residual (k,) lacks of half its sensor's noise, as a variance."""
+    return max((0.5 * own_std) ** 2 - noise_of(residual) ** 2, 0.0)
+
+
+def fit_signal(
+    signal: str,
+    column: int,
+    samples: IntArray,
+    residual: FloatArray,
+    own_std: float,
+    memory: FloatArray | None = None,
+    lacking_of_memory: FloatArray | None = None,
+) -> SignalFilter:
+    """Filter of one signal from its residual (k,) at the valid samples, its sensor's noise ``own_std`` in its unit.
+
+    ``memory`` (k, s) are the observer's sums at these samples, ``lacking_of_memory`` (s,) the variances that they lack.
+    """
+    rows = rows_of(samples)
+    sums = np.zeros((len(residual), 0)) if memory is None else memory
+    known = np.stack([residual[rows - lag] for lag in range(1, ORDER + 1)] + list(sums[rows].T), axis=1)
+    gram = known.T @ known
+    own, states = np.arange(ORDER), np.arange(ORDER, known.shape[1])
+    gram[own, own] += RIDGE * max(float(np.trace(gram[:ORDER, :ORDER])) / ORDER, 1e-300)
     # a log without its sensors' noise would be predicted from itself so well that nothing slow is left to explain
-    lacking = max((0.5 * own_std) ** 2 - noise_of(residual) ** 2, 0.0)
-    gram[np.diag_indices(ORDER)] += len(lags) * lacking
-    coefficients = np.asarray(np.linalg.solve(gram, lags.T @ residual[ORDER:]), dtype=np.float64)
-    innovations = residual[ORDER:] - lags @ coefficients
+    gram[own, own] += len(rows) * _lacking_variance(residual, own_std)
+    gram[states, states] += np.maximum(RIDGE * gram[states, states], 1e-300)
+    if memory is not None and lacking_of_memory is not None:
+        gram[states, states] += len(rows) * lacking_of_memory
+    solved = np.asarray(np.linalg.solve(gram, known.T @ residual[rows]), dtype=np.float64)
+    innovations = residual[rows] - known @ solved
+    coefficients, of_memory = solved[:ORDER], solved[ORDER:]
     # what the sensor's own noise becomes behind the same filter is the least that can be left
     floor = 0.5 * own_std * float(np.sqrt(1.0 + coefficients @ coefficients))
     sigma = max(float(np.sqrt(np.mean(innovations**2))), floor)
     inflation = form_inflation(innovations / sigma)
-    return SignalFilter(signal, column, samples, coefficients, sigma * float(np.sqrt(inflation)), inflation)
+    return SignalFilter(signal, column, samples, coefficients, sigma * float(np.sqrt(inflation)), inflation, of_memory)
 
 
 def form_inflation(innovations: FloatArray) -> float:

@@ -4,6 +4,7 @@ The hypothesis is one more: every nominal parameter's scatter is several times w
 with the selected effects by evidence, so that no count of suspicious parameters has to be chosen.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,8 +61,6 @@ def nominal_columns(problem: Problem) -> NDArray[np.int64]:
             column
             for column, parameter in enumerate(replay.parameters)
             if parameter.vehicle_path
-            and replay.effects[int(replay.owner[column])].group in DATA_SHEET
-            and (parameter.relative or replay.effects[int(replay.owner[column])].group == Group.BODY)
             and parameter.nuisance_std > NUISANCE_FLOOR * parameter.effect_std
             and replay.effects[int(replay.owner[column])].application == Application.PLANT
         ],
@@ -69,32 +68,53 @@ def nominal_columns(problem: Problem) -> NDArray[np.int64]:
     )
 
 
-def compare(problem: Problem, nothing: Fit, linearisation: Linearisation, start: FloatArray) -> WrongVehicle:
-    """Evidence that all nominal parameters scatter more than stated; fits by chords from ``start``."""
+def is_of_data_sheet(problem: Problem, column: int) -> bool:
+    """True for a number that makes a car another one when it is far off."""
+    group = problem.replay.effects[int(problem.replay.owner[column])].group
+    return group in DATA_SHEET and (problem.replay.parameters[column].relative or group == Group.BODY)
+
+
+def compare(
+    problem: Problem, nothing: Fit, linearisations: Sequence[Linearisation], starts: Sequence[FloatArray]
+) -> WrongVehicle:
+    """Evidence that all nominal parameters scatter more than stated, against ``nothing``.
+
+    Another car is far from the vehicle file, and the chords of one point do not lead there: the best fit over all
+    ``linearisations`` and ``starts`` counts, with sensitivities taken anew at it; every widening is fitted from there.
+    """
     columns = nominal_columns(problem)
     if not len(columns):
         return WrongVehicle(-np.inf, (), ())
-    nuisance = problem.priors.nuisance / problem.scale
-    _, information = Quadratic(linearisation.information, np.zeros(len(nuisance))).projected(nuisance)
-    block = information[np.ix_(columns, columns)]
-    evidences, fits = [], []
+    widths = {factor: problem.priors.nuisance.copy() for factor in WIDENINGS}
     for factor in WIDENINGS:
-        widths = problem.priors.nuisance.copy()
-        widths[columns] *= factor
-        fit = problem.fit(linearisation, widths, start)
-        added = (factor**2 - 1.0) * nuisance[columns] ** 2
-        occam = widening(np.zeros(len(columns)), block, added)
-        evidences.append(-0.5 * (fit.cost - nothing.cost) + occam)
-        fits.append(fit)
+        widths[factor][columns] *= factor
+    usual = widths[WIDENINGS[len(WIDENINGS) // 2]]
+    near = min((problem.fit(one, usual, start) for one in linearisations for start in starts), key=_cost)
+    fresh = problem.linearise(near.theta)
+    fits = [problem.fit(fresh, widths[factor], near.theta) for factor in WIDENINGS]
+    evidences = [
+        -0.5 * (fit.cost - nothing.cost) + _occam(problem, fresh, columns, factor)
+        for fit, factor in zip(fits, WIDENINGS, strict=True)
+    ]
     best = int(np.argmax(evidences))
     evidence = float(np.logaddexp.reduce(evidences) - np.log(len(WIDENINGS)))
-    deviation = (fits[best].theta - problem.priors.centre)[columns]
-    off = deviation / problem.priors.nuisance[columns]
+    deviation = fits[best].theta - problem.priors.centre
+    off = deviation / problem.priors.nuisance
     order = [
-        number
-        for number in np.argsort(-np.abs(off))
-        if abs(off[number]) > FAR_OFF and abs(deviation[number]) > LEAST_SHARE
+        int(column)
+        for column in columns[np.argsort(-np.abs(off[columns]))]
+        if abs(off[column]) > FAR_OFF and abs(deviation[column]) > LEAST_SHARE and is_of_data_sheet(problem, column)
     ]
-    return WrongVehicle(
-        evidence, tuple(int(columns[number]) for number in order), tuple(float(off[number]) for number in order)
-    )
+    return WrongVehicle(evidence, tuple(order), tuple(float(off[column]) for column in order))
+
+
+def _cost(fit: Fit) -> float:
+    return fit.cost
+
+
+def _occam(problem: Problem, linearisation: Linearisation, columns: NDArray[np.int64], factor: float) -> float:
+    """Log determinant part of the evidence of the wider scatter."""
+    nuisance = problem.priors.nuisance / problem.scale
+    _, information = Quadratic(linearisation.information, np.zeros(len(nuisance))).projected(nuisance)
+    added = (factor**2 - 1.0) * nuisance[columns] ** 2
+    return widening(np.zeros(len(columns)), information[np.ix_(columns, columns)], added)

@@ -115,7 +115,7 @@ def _moved(replay: Replay, theta: FloatArray, m: int) -> dict[str, FloatArray]:
     derive(cars)
     tried = {"N": 0.005 * 9.81 * float(cars[0]["mass"]), "N m": 0.01 * float(np.sum(cars[0]["static_load"])) * 0.1}
     pressures = replay.wheel_pressures(deviations, prepared)
-    inputs, corrected = replay.inputs_at(deviations, prepared, pressures), replay.corrected_at(deviations, prepared)
+    inputs, corrected = replay.inputs_at(deviations, prepared, pressures), prepared.corrected_at(deviations)
     fixed = (
         replay.tables_at(deviations),
         inputs,
@@ -123,6 +123,7 @@ def _moved(replay: Replay, theta: FloatArray, m: int) -> dict[str, FloatArray]:
         prepared.valid,
         prepared.start,
         replay.gains,
+        prepared.least,
         0,
         SAMPLE_TIME_S,
     )

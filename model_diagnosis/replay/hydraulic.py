@@ -143,6 +143,7 @@ class HydraulicReplay:
         valid: FloatArray,
         gain: float = GAIN,
         noise: float = 0.0,
+        least: FloatArray | None = None,
     ) -> FloatArray:
         """Wheel pressures (n, 4) [Pa], each sample before its correction.
 
@@ -152,11 +153,13 @@ class HydraulicReplay:
         measured, valid : (n, 4) pressures that the observer corrects on, 1 where they hold
         gain : of the observer per sample; 0 for a free run
         noise : standard deviation of the measured pressures' noise [Pa]; up to three of it correct nothing
+        least : (n, 4) least gains; zeros if left out
         """
         master = log.master if log.master is not None else self.master(deviations, log)
         values = self._changed(deviations)
         volume = deviations.get("brake_knock_back.volume", 0.0)
         throttled = deviations.get("form_return.lag", 0.0)
+        least = np.zeros_like(valid) if least is None else least
         return_kept = float(np.exp(-STEP_S / throttled)) if throttled > 0.0 else 0.0
         total = np.zeros((len(master), 4))
         out = np.empty_like(total)
@@ -168,7 +171,7 @@ class HydraulicReplay:
             record[0]["logic"][:] = LOGICS["abs"]().table.reshape(-1)
             hydraulic_run(
                 record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump, log.wheel_speed,
-                log.cornering, measured, valid, volume, return_kept, gain, _DEAD_BAND * noise, out,
+                log.cornering, measured, valid, volume, return_kept, gain, least, _DEAD_BAND * noise, out,
             )  # fmt: skip
             total += share * out
         return total

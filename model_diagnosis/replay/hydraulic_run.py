@@ -6,8 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from hydraulics.pressure import hcu_step
-from hydraulics.record import HOLD
+from hydraulics.pressure import hcu_step, line_pressure
+from hydraulics.record import HOLD, INCREASE
 from hydraulics.valves import stiffness
 from model_diagnosis.replay.record import Record
 
@@ -25,6 +25,18 @@ def _set_pressure(s: Record, wheel: int, pressure: float) -> None:
         s.target[wheel] = pressure
     s.difference[wheel] = s.target[wheel] - pressure
     s.segment_time[wheel] = 0.0
+
+
+@njit(cache=True, nogil=True)
+def _move_target(p: Record, s: Record, wheel: int, drawn: float, master: float) -> None:
+    """Correct where a building-up segment ends, too, as far as the unit's threshold leaves that open.
+
+    Changes of the supply below the threshold begin no segment, so a wheel rests up to so much off its line. Where
+    exactly hangs on the instants of its last segments, which samples do not tell.
+    """
+    line = line_pressure(p, wheel, master)
+    if s.previous_state[wheel] == INCREASE and abs(s.target[wheel] - line) <= p.threshold:
+        s.target[wheel] = min(max(s.target[wheel] + drawn, line - p.threshold), line + p.threshold)
 
 
 @njit(cache=True, nogil=True)
@@ -62,6 +74,7 @@ def hydraulic_run(
     gap_volume: float,
     return_kept: float,
     gain: float,
+    least: NDArray[np.float64],
     dead_band: float,
     out: NDArray[np.float64],
 ) -> None:
@@ -80,6 +93,7 @@ def hydraulic_run(
     gap_volume : m^3, behind the pads after cornering
     return_kept : share of the pressure beyond the supply that is left 1 ms later; 0 where it returns at once
     gain : of the observer, per sample
+    least : (n, 4) least gains, where the observer begins anew behind a gap of the inputs
     dead_band : difference [Pa] up to which the observer leaves the pressure alone. Noise above the supply flows back at
         once and noise below it is filled up slowly: corrected on, it would lower the mean
     out : (n, 4) Pa
@@ -117,7 +131,10 @@ def hydraulic_run(
             out[k, i] = s.pressure[i]
             if valid[k, i] > 0.0:
                 apart = measured[k, i] - s.pressure[i]
-                if abs(apart) > dead_band:
-                    _set_pressure(s, i, max(s.pressure[i] + gain * (apart - math.copysign(dead_band, apart)), 0.0))
+                band = dead_band if least[k, i] <= gain else 0.0
+                if abs(apart) > band:
+                    drawn = max(gain, least[k, i]) * (apart - math.copysign(band, apart))
+                    _move_target(p, s, i, drawn, master[k])
+                    _set_pressure(s, i, max(s.pressure[i] + drawn, 0.0))
             if cornering[k] and s.pressure[i] < _RELEASED_PA:
                 gap[i] = gap_volume

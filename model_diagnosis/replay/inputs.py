@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from model_diagnosis.replay.derived import GRAVITY
 from model_diagnosis.replay.record import (
     INPUT_BANK,
     INPUT_DRIVE_FRONT,
@@ -79,8 +80,11 @@ def start_of(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> FloatArray:
     return np.array([max(float(line[1]), 0.0), 0.0 if yaw_rate is None else float(np.median(yaw_rate[: count // 2]))])
 
 
-def read_inputs(manoeuvre: Manoeuvre, channels: Mapping[str, FloatArray], vehicle: VehicleFile) -> Inputs:
-    """Inputs of a manoeuvre from its channels, which may have been changed by effects of the sensors."""
+def read_inputs(manoeuvre: Manoeuvre, channels: Mapping[str, FloatArray], vehicle: VehicleFile, car: np.void) -> Inputs:
+    """Inputs of a manoeuvre from its channels, which may have been changed by effects of the sensors.
+
+    ``car`` (``REPLAY_RECORD``), with its deviations, is the one that forces nobody measured are inferred for.
+    """
     values = np.zeros((manoeuvre.samples, INPUTS))
     braked = _write_pressures(values, channels)
     driven = _write_drive(values, channels, vehicle)
@@ -95,8 +99,9 @@ def read_inputs(manoeuvre: Manoeuvre, channels: Mapping[str, FloatArray], vehicl
     elif not driven:
         inferred = _not_braked(values[:, :4])
     if inferred.any():
-        _infer(values, inferred, braked, manoeuvre, vehicle)
-    forced = inferred & (np.abs(acceleration_of(manoeuvre, vehicle)) > _LARGEST_INFERRED_M_S2)
+        _infer(values, inferred, braked, channels, reference_speed(manoeuvre, vehicle), car)
+    measured = _acceleration(manoeuvre.channels, reference_speed(manoeuvre, vehicle))
+    forced = inferred & (np.abs(measured) > _LARGEST_INFERRED_M_S2)
     if steer is None and "yaw_rate" not in channels:
         turn = turning(manoeuvre, vehicle)
         if turn is not None:
@@ -183,31 +188,61 @@ def smooth(values: FloatArray) -> FloatArray:
     return np.convolve(padded, np.full(_SMOOTHING_SAMPLES, 1.0 / _SMOOTHING_SAMPLES), "valid")
 
 
-def acceleration_of(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> FloatArray:
+def _acceleration(channels: Mapping[str, FloatArray], speed: FloatArray) -> FloatArray:
     """Longitudinal acceleration (n,) [m/s^2], smoothed: measured, else the change of the speed."""
-    felt = manoeuvre.channels.get("longitudinal_acceleration")
+    felt = channels.get("longitudinal_acceleration")
     if felt is None:
-        felt = np.gradient(smooth(reference_speed(manoeuvre, vehicle)), SAMPLE_TIME_S)
+        felt = np.gradient(smooth(speed), SAMPLE_TIME_S)
     return smooth(felt)
 
 
 def _infer(
-    values: FloatArray, inferred: NDArray[np.bool_], braked: bool, manoeuvre: Manoeuvre, vehicle: VehicleFile
+    values: FloatArray,
+    inferred: NDArray[np.bool_],
+    braked: bool,
+    channels: Mapping[str, FloatArray],
+    speed: FloatArray,
+    car: np.void,
 ) -> None:
-    """Drive torque, or brake pressure where none is measured, that the measured acceleration asks for."""
-    speed = reference_speed(manoeuvre, vehicle)
-    acceleration = acceleration_of(manoeuvre, vehicle)
-    body, air = vehicle.body, vehicle.aerodynamics
-    wheel = vehicle.wheels.fl
-    drag = 0.5 * air.air_density * air.frontal_area * air.drag_coefficient * speed**2
-    force = body.mass * (acceleration + 9.81 * wheel.rolling_resistance) + drag
-    drive = np.where(inferred & ((force > 0.0) | braked), force, 0.0) * wheel.radius
-    front = 2.0 * vehicle.driveline.wheel_share()[0]
-    values[inferred, INPUT_DRIVE_FRONT] = front * drive[inferred]
-    values[inferred, INPUT_DRIVE_REAR] = (1.0 - front) * drive[inferred]
-    if not braked:
-        gain = sum(
-            4.0 * axle.pad_area * axle.pad_friction * axle.effective_radius
-            for axle in (vehicle.brakes.front, vehicle.brakes.rear)
-        )
-        values[:, :4] = (np.maximum(-force, 0.0) * wheel.radius / gain)[:, None]
+    """Drive torque, and where no brake is measured the brakes' too, that the acceleration in ``channels`` asks for.
+
+    The car at hand, with its own deviations, is turned round: no mass, air or loss of torque can be blamed for an
+    acceleration that was taken from the measurement. Brakes without a channel are a torque of the axles, shared as the
+    pads share it, so that no effect of the brakes is seen in them; ``inferred_front`` leaves that share open.
+    """
+    radius, acceleration = float(np.mean(car["radius"])), _acceleration(channels, speed)
+    pads, drive_share = car["torque_per_pressure"], car["drive_share"]
+    brake_share = pads / max(float(np.sum(pads)), 1e-12)
+    if "longitudinal_acceleration" in channels:
+        pitch = np.where(acceleration > 0.0, _pitch(car, drive_share, "drive"), _pitch(car, brake_share, "brake"))
+        acceleration = acceleration / (1.0 + GRAVITY * pitch)
+    along = speed + car["wind_along"]
+    force = car["mass"] * acceleration + car["drag"] * np.abs(along) * along
+    torque = force * radius + acceleration * np.sum(car["spin_inertia"]) / radius + _losses(car, speed, radius)
+    # the replay adds the engine's drag to a torque that does not drive
+    torque = np.where(torque > 0.0, torque, np.minimum(torque + car["engine_drag"], 0.0))
+    drives = inferred & ((torque > 0.0) | braked)
+    brakes_in_front = float(np.clip(np.sum(brake_share[:2]) + car["inferred_front"], 0.0, 1.0))
+    front = np.where(drives, np.sum(drive_share[:2]), brakes_in_front)
+    values[inferred, INPUT_DRIVE_FRONT] = (front * torque)[inferred]
+    values[inferred, INPUT_DRIVE_REAR] = ((1.0 - front) * torque)[inferred]
+
+
+def _pitch(car: np.void, share: FloatArray, guide: str) -> float:
+    """Steady pitch per acceleration [rad s^2/m], by which an accelerometer in the body reads gravity too.
+
+    ``share`` (4,) of the wheels in the force; ``guide`` tells what the links carry of it, "drive" or "brake".
+    """
+    place, weight = car["wheel_x"], car["mass"] * GRAVITY
+    arm = car["height"] - car["radius"][0] + car["pitch_weight_arm"]
+    stiffness = float(np.sum(car["mean_rate"] * place**2)) - weight * arm
+    moment = car["mass"] * (car["height"] + float(np.sum(place * car[f"guide_{guide}"] * share)))
+    return float(moment / max(stiffness, weight))
+
+
+def _losses(car: np.void, speed: FloatArray, radius: float) -> FloatArray:
+    """Torque (n,) [N m] of all wheels together that rolling, dragging brakes and the driveline take."""
+    rolling = float(np.sum(car["rolling_resistance"] * car["static_load"])) * radius
+    lost = rolling * (1.0 + car["rolling_speed"] * speed) + float(np.sum(car["drag_torque"]))
+    driveline: FloatArray = car["driveline_drag"] + car["driveline_viscous"] * speed / radius
+    return lost + driveline

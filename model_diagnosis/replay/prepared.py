@@ -6,8 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.effects.sensor_chain import ring_carriers
+from model_diagnosis.effects.sensor_chain import ACCELERATION_COLUMNS, PRESSURE_COLUMNS, ring_carriers
 from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.replay.deviations import RECORD_COLUMNS
+from model_diagnosis.replay.gaps import ends_of_gaps, is_beginning, least_gains
 from model_diagnosis.replay.hydraulic import HydraulicLog, read_hydraulics
 from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of, turning
 from model_diagnosis.replay.record import CORRECTED, OUTPUTS
@@ -60,6 +62,7 @@ class Prepared:
     hydraulics : None where the log tells nothing of them
     pressure_known, pressure_valid : True where all wheel pressures were measured; (n, 4) 1 where they hold
     carriers : (n, 4) phases of the tone rings; None without wheel speeds
+    least, pressure_least : (n, 6), (n, 4) least gains of the observer, where it begins anew behind a gap of the inputs
     """
 
     manoeuvre: Manoeuvre
@@ -76,6 +79,8 @@ class Prepared:
     pressure_known: bool
     pressure_valid: FloatArray
     carriers: FloatArray | None
+    least: FloatArray
+    pressure_least: FloatArray
 
     @property
     def replays_pressures(self) -> bool:
@@ -87,9 +92,27 @@ class Prepared:
         """True where the master pressure is compared with the booster's."""
         return "master_pressure" in self.signals
 
+    def drives(self, column: str) -> bool:
+        """True if a deviation changes what drives the replay: of a sensor, or of the car where inputs are inferred."""
+        inferred = bool(self.inputs.inferred.any())
+        return column in PRESSURE_COLUMNS or (inferred and (column in ACCELERATION_COLUMNS or column in RECORD_COLUMNS))
 
-def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> Prepared:
-    """Prepare a manoeuvre.
+    def corrected_at(self, deviations: Mapping[str, float]) -> FloatArray:
+        """Signals that the observer corrects on, freed of what the sensors' effects put on them."""
+        offset = deviations.get("gyro_offset.yaw_rate", 0.0)
+        scale = deviations.get("gyro_scale.yaw_rate", 0.0)
+        rings = [deviations.get(f"tone_ring_error.{wheel}", 0.0) for wheel in WHEELS]
+        if offset == 0.0 and scale == 0.0 and not any(rings):
+            return self.corrected
+        values = self.corrected.copy()
+        values[:, 5] = (values[:, 5] - offset) / (1.0 + scale)
+        if self.carriers is not None:
+            values[:, :4] /= 1.0 + np.array(rings) * self.carriers
+        return values
+
+
+def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile, car: np.void) -> Prepared:
+    """Prepare a manoeuvre; ``car`` (``REPLAY_RECORD``) is the vehicle's without deviations.
 
     Raises
     ------
@@ -110,7 +133,7 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> Prepared:
         name: pressure_without_noise(values) if name in (*PRESSURES, "master_pressure") else values
         for name, values in channels.items()
     }
-    inputs = read_inputs(manoeuvre, driving, vehicle)
+    inputs = read_inputs(manoeuvre, driving, vehicle, car)
     moving = tuple(name for name in COMPARED if name in channels and manoeuvre.weight(name).any())
     hydraulics = read_hydraulics(manoeuvre)
     known = all(name in channels for name in PRESSURES)
@@ -123,6 +146,8 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> Prepared:
     turn = turning(manoeuvre, vehicle)
     if "yaw_rate" not in channels and not inputs.steered and turn is not None:
         corrected[:, YAW], valid[:, YAW] = turn, 1.0
+    pressure_valid = np.stack([known * (manoeuvre.weight(name) > 0.0) for name in PRESSURES], axis=1).astype(np.float64)
+    anew = ends_of_gaps(manoeuvre)
     return Prepared(
         manoeuvre=manoeuvre,
         signals=signals,
@@ -136,10 +161,10 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> Prepared:
         inputs=inputs,
         hydraulics=hydraulics,
         pressure_known=known,
-        pressure_valid=np.stack([known * (manoeuvre.weight(name) > 0.0) for name in PRESSURES], axis=1).astype(
-            np.float64
-        ),
+        pressure_valid=pressure_valid,
         carriers=ring_carriers(manoeuvre.time, corrected[:, :4]) if ringed else None,
+        least=least_gains(valid, anew),
+        pressure_least=least_gains(pressure_valid, anew),
     )
 
 
@@ -154,9 +179,10 @@ def _pressure_signals(hydraulics: HydraulicLog | None, known: bool) -> tuple[str
 
 def _weights(manoeuvre: Manoeuvre, signals: tuple[str, ...], inputs: Inputs, vehicle: VehicleFile) -> FloatArray:
     moving = reference_speed(manoeuvre, vehicle) >= SLOWEST_M_S
+    counts = moving & ~is_beginning(manoeuvre.samples, ends_of_gaps(manoeuvre))
     weights = np.zeros((manoeuvre.samples, len(signals)))
     for k, name in enumerate(signals):
-        weights[:, k] = manoeuvre.weight(name) * moving
+        weights[:, k] = manoeuvre.weight(name) * counts
         if name in _LONGITUDINAL:
             weights[inputs.inferred | inputs.forced, k] = 0.0
         if name.startswith("wheel_speed_"):

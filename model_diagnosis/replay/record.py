@@ -51,6 +51,7 @@ _NUMBERS = (
     "side_force_position",
     "wind_along",  # m/s, against the car positive
     "wind_across",  # m/s, from the left positive
+    "inferred_front",  # more share of the front axle in braking that no channel tells
     # road
     "grade",
     "bank",

@@ -121,7 +121,8 @@ class Replay:
         self.car: NominalCar = nominal_car(vehicle)
         self.hydraulics = HydraulicReplay(vehicle)
         self.gains = np.array([*_GAINS, _DEAD_BAND * own_noise(vehicle, "wheel_speed_fl")])
-        self.prepared = [prepare(manoeuvre, vehicle) for manoeuvre in self.manoeuvres]
+        nominal = self._record_at({})[0]
+        self.prepared = [prepare(manoeuvre, vehicle, nominal) for manoeuvre in self.manoeuvres]
         by_steps = self._pressure_misfit()
         self.hydraulics.flows = True
         # which of the two the measured car has is a matter of form: the nearer one is taken, for all manoeuvres alike
@@ -150,11 +151,14 @@ class Replay:
 
     def car_at(self, theta: FloatArray) -> np.void:
         """Numbers of the car (``REPLAY_RECORD``) at deviations theta."""
-        cars = self.car.record.copy()
-        change_record(cars, self.deviations_at(theta))
-        derive(cars)
-        entry: np.void = cars[0]
+        entry: np.void = self._record_at(self.deviations_at(theta))[0]
         return entry
+
+    def _record_at(self, deviations: Mapping[str, float]) -> NDArray[np.void]:
+        cars = self.car.record.copy()
+        change_record(cars, deviations)
+        derive(cars)
+        return cars
 
     def predict(self, theta: FloatArray, m: int) -> FloatArray:
         """Observer replay (n, c): each sample predicted from those before it, with the same gains for every theta."""
@@ -189,13 +193,25 @@ class Replay:
     def sensitivities(self, theta: FloatArray, columns: Sequence[int] | None = None) -> list[FloatArray]:
         """Derivatives of the prediction by the deviations, (n, c, len(columns)) of each manoeuvre.
 
-        Finite differences of one side, towards the inside of the bounds; columns of accelerometers are analytic.
+        Finite differences of one side, towards the inside of the bounds; columns of accelerometers are analytic where
+        they drive nothing.
         """
         chosen = list(range(len(self.columns))) if columns is None else [int(column) for column in columns]
         with ThreadPoolExecutor(self._threads) as pool:
             return [
                 self._sweep(np.asarray(theta, dtype=np.float64), prepared, chosen, pool) for prepared in self.prepared
             ]
+
+    def corrections(self, m: int) -> FloatArray:
+        """(c, 1) change of the observer's speed by one unit of each compared signal's residual."""
+        signals, wheels = self.prepared[m].signals, self.vehicle.wheels
+        moved = np.zeros((len(signals), 1))
+        by_wheels = {f"wheel_speed_{wheel}": _GAINS[3] * getattr(wheels, wheel).radius / 4.0 for wheel in WHEELS}
+        gains = {"speed": _GAINS[1]} if "speed" in signals else by_wheels
+        for name, gain in gains.items():
+            if name in signals:
+                moved[signals.index(name), 0] = gain
+        return moved
 
     def sensor_std(self, signal: str) -> float:
         """Own noise of a signal's sensor in the signal's unit."""
@@ -254,7 +270,8 @@ class Replay:
         gain = 0.0 if free else PRESSURE_GAIN
         # a unit that moves by steps is up to its threshold off: there the observer is needed for small differences too
         noise = own_noise(self.vehicle, PRESSURES[0]) if self.hydraulics.flows else 0.0
-        return self.hydraulics.wheels(deviations, log, measured, prepared.pressure_valid, gain, noise)
+        least = None if free else prepared.pressure_least
+        return self.hydraulics.wheels(deviations, log, measured, prepared.pressure_valid, gain, noise, least)
 
     def _pressure_misfit(self) -> float:
         """Sum of squares of what the hydraulic unit without deviations leaves of the wheels' pressures [Pa^2]."""
@@ -272,29 +289,13 @@ class Replay:
     def inputs_at(
         self, deviations: Mapping[str, float], prepared: Prepared, pressures: FloatArray | None
     ) -> FloatArray:
-        """Inputs of the car: measured pressures freed of their sensors' effects, or those of the hydraulic unit."""
+        """Inputs of the car: as measured, freed of their sensors' effects, or the pressures of the hydraulic unit."""
         manoeuvre = prepared.manoeuvre
-        if prepared.pressure_known or pressures is None:
-            if not any(column.startswith("pressure_sensor_") for column in deviations):
-                return prepared.inputs.values
-            channels = true_inputs(deviations, manoeuvre.time, prepared.driving)
-            return read_inputs(manoeuvre, channels, self.vehicle).values
-        channels = dict(prepared.driving)
-        channels |= {name: pressures[:, k] for k, name in enumerate(PRESSURES)}
-        return read_inputs(manoeuvre, channels, self.vehicle).values
-
-    def corrected_at(self, deviations: Mapping[str, float], prepared: Prepared) -> FloatArray:
-        """Signals that the observer corrects on, freed of what the sensors' effects put on them."""
-        offset = deviations.get("gyro_offset.yaw_rate", 0.0)
-        scale = deviations.get("gyro_scale.yaw_rate", 0.0)
-        rings = [deviations.get(f"tone_ring_error.{wheel}", 0.0) for wheel in WHEELS]
-        if offset == 0.0 and scale == 0.0 and not any(rings):
-            return prepared.corrected
-        values = prepared.corrected.copy()
-        values[:, 5] = (values[:, 5] - offset) / (1.0 + scale)
-        if prepared.carriers is not None:
-            values[:, :4] /= 1.0 + np.array(rings) * prepared.carriers
-        return values
+        by_unit = {} if pressures is None or prepared.pressure_known else dict(zip(PRESSURES, pressures.T, strict=True))
+        if not by_unit and not any(prepared.drives(column) for column in deviations):
+            return prepared.inputs.values
+        channels = true_inputs(deviations, manoeuvre.time, prepared.driving) | by_unit
+        return read_inputs(manoeuvre, channels, self.vehicle, self._record_at(deviations)[0]).values
 
     def car_outputs(
         self,
@@ -306,13 +307,12 @@ class Replay:
         chosen: NDArray[np.int64],
     ) -> FloatArray:
         """Outputs of the car before the sensors, (n, len(chosen))."""
-        cars = self.car.record.copy()
-        change_record(cars, deviations)
-        derive(cars)
-        inputs, corrected = self.inputs_at(deviations, prepared, pressures), self.corrected_at(deviations, prepared)
+        cars = self._record_at(deviations)
+        inputs, corrected = self.inputs_at(deviations, prepared, pressures), prepared.corrected_at(deviations)
         out = np.empty((1, prepared.manoeuvre.samples, len(chosen)))
         fixed = (self.tables_at(deviations), inputs, corrected, prepared.valid, prepared.start)
-        replay_cars(cars, 0, 1, *fixed, gains, horizon, SAMPLE_TIME_S, chosen, out)
+        least = prepared.least if gains.any() else np.zeros_like(prepared.least)
+        replay_cars(cars, 0, 1, *fixed, gains, least, horizon, SAMPLE_TIME_S, chosen, out)
         return out[0]
 
     def tables_at(self, deviations: Mapping[str, float]) -> FloatArray:
@@ -378,7 +378,7 @@ class Replay:
         def derive_column(place: int) -> None:
             column = columns[place]
             name = self.columns[column]
-            if name in analytic and not name.startswith(_OBSERVED_SENSORS):
+            if name in analytic and not prepared.drives(name) and not name.startswith(_OBSERVED_SENSORS):
                 result[:, :count, place] = analytic[name]
                 return
             step = self._step_of(theta, column)

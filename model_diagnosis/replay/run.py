@@ -92,20 +92,23 @@ def correct_states(
     measured: NDArray[np.float64],
     valid: NDArray[np.float64],
     gains: NDArray[np.float64],
+    least: NDArray[np.float64],
 ) -> None:
-    """Observer: wheel speeds, speed and yaw rate are drawn to the measured ones."""
-    along = count = 0.0
+    """Observer: wheel speeds, speed and yaw rate are drawn to the measured ones, by ``least`` (6,) gains or more."""
+    along = count = anew = 0.0
     for i in range(4):
         error = valid[i] * (measured[i] - full[i])
-        beyond = error - min(max(error, -gains[DEAD_BAND_WHEEL]), gains[DEAD_BAND_WHEEL])
-        s.spin[i] = max(s.spin[i] + gains[GAIN_WHEEL] * beyond, 0.0)
+        band = gains[DEAD_BAND_WHEEL] if least[i] <= gains[GAIN_WHEEL] else 0.0
+        beyond = error - min(max(error, -band), band)
+        s.spin[i] = max(s.spin[i] + max(gains[GAIN_WHEEL], least[i]) * beyond, 0.0)
         along += p.radius[i] * error
         count += valid[i]
+        anew = max(anew, least[i])
     if valid[4] > 0.0:
-        s.speed += gains[GAIN_SPEED] * (measured[4] - full[_SPEED])
+        s.speed += max(gains[GAIN_SPEED], least[4]) * (measured[4] - full[_SPEED])
     elif count > 0.0:
-        s.speed += gains[GAIN_SPEED_BY_WHEELS] * along / count
-    s.yaw_rate += valid[5] * gains[GAIN_YAW] * (measured[5] - full[_YAW_RATE])
+        s.speed += max(gains[GAIN_SPEED_BY_WHEELS], anew) * along / count
+    s.yaw_rate += valid[5] * max(gains[GAIN_YAW], least[5]) * (measured[5] - full[_YAW_RATE])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -137,6 +140,7 @@ def replay_run(
     valid: NDArray[np.float64],
     start: NDArray[np.float64],
     gains: NDArray[np.float64],
+    least: NDArray[np.float64],
     horizon: int,
     sample_time: float,
     chosen: NDArray[np.int64],
@@ -155,6 +159,7 @@ def replay_run(
     measured, valid : (n, 6) signals of ``CORRECTED`` and 1 where they hold
     start : (2,) speed and yaw rate at the first sample
     gains : (5,) of the observer, the last the dead band of the wheel speeds [rad/s]; zeros for a free run
+    least : (n, 6) least gains of the observer: where it begins anew behind a gap of the inputs
     horizon : samples after which a free run restarts at the measured speeds; 0 never
     sample_time : s
     chosen : (c,) outputs to keep
@@ -165,7 +170,7 @@ def replay_run(
     p, s = cars[car], memory[0]
     take_tables(s, tables)
     step = sample_time / SUBSTEPS
-    full, restart = np.zeros(_OUTPUTS), np.ones(5)
+    full, restart, nothing = np.zeros(_OUTPUTS), np.ones(5), np.zeros(6)
     restart[DEAD_BAND_WHEEL] = 0.0
     take_inputs(s, inputs[0], inputs[0], 0.0)
     settle(p, s, start, step)
@@ -181,6 +186,6 @@ def replay_run(
             out[k, c] = full[chosen[c]]
         if horizon > 0:
             if k % horizon == 0:
-                correct_states(p, s, full, measured[k], valid[k], restart)
+                correct_states(p, s, full, measured[k], valid[k], restart, nothing)
         else:
-            correct_states(p, s, full, measured[k], valid[k], gains)
+            correct_states(p, s, full, measured[k], valid[k], gains, least[k])

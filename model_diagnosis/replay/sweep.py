@@ -20,6 +20,7 @@ def replay_cars(
     valid: NDArray[np.float64],
     start: NDArray[np.float64],
     gains: NDArray[np.float64],
+    least: NDArray[np.float64],
     horizon: int,
     sample_time: float,
     chosen: NDArray[np.int64],
@@ -29,5 +30,5 @@ def replay_cars(
     quiet = np.zeros(0)
     for car in range(first, last):
         memory = np.zeros(1, STATE_RECORD)
-        fixed = tables, inputs, measured, valid, start, gains, horizon, sample_time, chosen
+        fixed = tables, inputs, measured, valid, start, gains, least, horizon, sample_time, chosen
         replay_run(cars, car, memory, *fixed, NOWHERE, quiet, out[car])

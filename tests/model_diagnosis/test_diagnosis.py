@@ -60,11 +60,6 @@ def test_worn_pads_are_named_or_in_the_group_of_what_looks_the_same(worn_pads: F
     assert worn_pads.diagnosis.verdict in ("effect_found", "indistinguishable")
 
 
-@pytest.mark.xfail(
-    strict=False,
-    reason="a second cause is still named: the speed sensor's noise comes through the observer into all wheels alike, "
-    "and signals are whitened one by one",
-)
 def test_worn_pads_are_the_only_cause(worn_pads: Findings) -> None:
     assert len(worn_pads.diagnosis.causes) == 1
 

@@ -4,12 +4,20 @@ import pytest
 
 from model_diagnosis.effects.catalogue import EFFECTS
 from model_diagnosis.evidence.excitation import DATA_GROUPS
+from model_diagnosis.evidence.wrong_vehicle import WrongVehicle
 from model_diagnosis.result import DataFault
 from model_diagnosis.verdict import verdict_of
 
 CAR = [effect.name for effect in EFFECTS if effect.group not in DATA_GROUPS]
 SIGN = DataFault(kind="channel_sign", channel="yaw_rate", repaired=True, message="turned round")
 MISSING = DataFault(kind="missing_channel", channel="yaw_rate", message="no log has it")
+
+
+@pytest.mark.parametrize(("unseen", "verdict"), [(CAR[:20], "wrong_vehicle"), (CAR[:-2], "insufficient_data")])
+def test_data_that_shows_hardly_one_effect_speaks_of_no_other_car(unseen, verdict):
+    """A wheel on a rig has one load that is no car's: mass, height and place of its centre all follow it."""
+    wrong = WrongVehicle(100.0, (0, 1, 2), (20.0, -15.0, 6.0))
+    assert verdict_of([], [], [], wrong, unseen, len(EFFECTS)) == verdict
 
 
 @pytest.mark.parametrize(

@@ -81,5 +81,9 @@ class LinearCar:
         chosen = np.arange(len(theta)) if columns is None else np.asarray(columns)
         return [(matrix * (1.0 + 2.0 * self.bend * theta))[:, :, chosen] for matrix in self.matrices]
 
+    def corrections(self, manoeuvre: int) -> FloatArray:
+        """No observer."""
+        return np.zeros((len(SIGNALS), 0))
+
     def sensor_std(self, signal: str) -> float:
         return NOISE_STD

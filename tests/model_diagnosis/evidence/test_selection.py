@@ -127,7 +127,7 @@ def test_several_parameters_far_off_are_another_car() -> None:
     truth[:8] = [0.3, -0.25, 0.28, -0.3, 0.26, 0.3, -0.27, 0.25]
     car = LinearCar(EFFECTS, truth, 10, colour=0.5)
     search, selection = _search(car)
-    wrong = compare(search.problem, selection.nothing, selection.linearisation, selection.fit.theta)
+    wrong = compare(search.problem, selection.nothing, [selection.linearisation], [selection.fit.theta])
     assert wrong.beats(sum(one.evidence for one in selection.accepted))
     assert len(wrong.far_off) >= 6
 
@@ -135,5 +135,5 @@ def test_several_parameters_far_off_are_another_car() -> None:
 def test_one_effect_is_not_another_car() -> None:
     car = LinearCar(EFFECTS, _truth(11, c2=0.3), 11, colour=0.5)
     search, selection = _search(car)
-    wrong = compare(search.problem, selection.nothing, selection.linearisation, selection.fit.theta)
+    wrong = compare(search.problem, selection.nothing, [selection.linearisation], [selection.fit.theta])
     assert not wrong.beats(sum(one.evidence for one in selection.accepted))

@@ -1,0 +1,96 @@
+"""Forces that nobody measured are inferred from the accelerometer: its errors show, nothing else is blamed for them.
+
+The log is the MuJoCo car's, which coasts, drives and brakes lightly, without brake pressures and drive torques.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from plant_log import coast_and_drive, drive
+
+from model_diagnosis.effects.form import FORM_NAMES, REPLAYED
+from model_diagnosis.evidence.base import fit_base
+from model_diagnosis.evidence.hypotheses import hypotheses_of
+from model_diagnosis.evidence.priors import Priors
+from model_diagnosis.evidence.search import Search
+from model_diagnosis.evidence.selection import Selection, Selector
+from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.replay import Replay
+from signals.wheels import WHEELS
+from vehicle_model.vehicle_file import VehicleFile
+
+MEASURED = (*(f"wheel_speed_{wheel}" for wheel in WHEELS), "speed", "longitudinal_acceleration")
+LONGITUDINAL = (
+    "accelerometer_offset",
+    "accelerometer_scale",
+    "aero_drag",
+    "brake_pad_friction",
+    "engine_braking",
+    "head_wind",
+    "mass_change",
+    "road_grade",
+    "rolling_resistance",
+    "tyre_longitudinal_stiffness",
+    "wheel_radius_change",
+)
+NEEDED = 5.0
+"""Log evidence of a cause, about the threshold of six manoeuvres."""
+
+
+@pytest.fixture(scope="module")
+def log(car: VehicleFile) -> Manoeuvre:
+    """With the noise that the vehicle file's sensors have."""
+    driven = drive(car, coast_and_drive, 8.0, 25.0, name="coast")
+    random, sensors = np.random.default_rng(5), Replay(car, [driven], [])
+    kept = {"steering_wheel_angle": driven.channels["steering_wheel_angle"]}
+    for name in MEASURED:
+        noise = sensors.sensor_std(name) * random.standard_normal(len(driven.time))
+        kept[name] = driven.channels[name] + noise
+    return replace(driven, channels=kept, weights={name: driven.weights[name] for name in kept})
+
+
+def with_offset(log: Manoeuvre, offset: float) -> Manoeuvre:
+    channels = {**log.channels, "longitudinal_acceleration": log.channels["longitudinal_acceleration"] + offset}
+    return replace(log, channels=channels)
+
+
+def found(car: VehicleFile, log: Manoeuvre) -> tuple[Replay, Selection]:
+    """What the search names among the effects of the longitudinal balance."""
+    replay = Replay(car, [log], [effect for effect in REPLAYED if effect.name in {*LONGITUDINAL, *FORM_NAMES}])
+    base = fit_base(replay, Priors.of(replay.parameters))
+    search = Search(base.problem, hypotheses_of(replay), NEEDED)
+    return replay, Selector(search, NEEDED).run(base.nothing, base.at_nothing, base.at_saturated)
+
+
+def test_an_accelerometer_without_an_error_gives_no_cause(car: VehicleFile, log: Manoeuvre) -> None:
+    assert found(car, log)[1].accepted == []
+
+
+def test_an_offset_of_the_accelerometer_is_named_with_its_size(car: VehicleFile, log: Manoeuvre) -> None:
+    replay, selection = found(car, with_offset(log, 0.25))
+    (cause,) = selection.accepted
+    assert [replay.columns[column] for column in cause.hypothesis.columns] == ["accelerometer_offset.longitudinal"]
+    assert selection.fit.theta[cause.hypothesis.columns[0]] == pytest.approx(0.25, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    "column",
+    [
+        "mass_change.factor",
+        "aero_drag.factor",
+        "rolling_resistance.constant",
+        "driveline_drag.constant",
+        "brake_pad_friction.factor",
+    ],
+)
+def test_what_the_inference_takes_from_the_measurement_changes_no_acceleration(
+    column: str, car: VehicleFile, log: Manoeuvre
+) -> None:
+    """The car is turned round with its own deviations: by an effect's whole width less than a tenth of the noise."""
+    replay = Replay(car, [log])
+    index = replay.columns.index(column)
+    change = replay.sensitivities(np.zeros(len(replay.columns)), [index])[0][:, :, 0]
+    place = replay.signals(0).index("longitudinal_acceleration")
+    moved = float(np.std(change[:, place])) * replay.parameters[index].effect_std
+    assert moved < 0.1 * replay.sensor_std("longitudinal_acceleration")
