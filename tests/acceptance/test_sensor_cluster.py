@@ -85,6 +85,7 @@ def microcontroller() -> Iterator[tuple[str, str]]:
         modem.close()
 
 
+@pytest.mark.real_time
 @pytest.mark.acceptance("F-11", "F-12")
 def test_microcontroller_of_its_own_reads_the_bench_s_sensor_block(
     microcontroller: tuple[str, str], record: Callable[..., None]

@@ -82,6 +82,7 @@ def test_lock_step_in_another_process_equals_the_node_in_this_one(can_car: Any, 
     ]
 
 
+@pytest.mark.real_time
 def test_real_time_keeps_the_periods_and_ends_cleanly_on_sigterm(bus: Any) -> None:
     ecu = start("--link", bus.text, "--calibration", "coarse")
     try:

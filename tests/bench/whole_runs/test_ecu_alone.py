@@ -90,6 +90,7 @@ STALL_FROM_TICK, STALL_S, PERIOD_TICKS = 1000, 0.06, 5
 """Twelve periods of the wheel-speed frames; five without a frame are a fault."""
 
 
+@pytest.mark.real_time
 def test_a_stall_of_the_process_is_no_missing_frame(recorded: Path) -> None:
     """The frames that waited in the socket meanwhile came in time."""
     recording = Recording.open(recorded)
@@ -117,6 +118,7 @@ def test_a_stall_of_the_process_is_no_missing_frame(recorded: Path) -> None:
     assert node.statistics()["fault_codes"] == []
 
 
+@pytest.mark.real_time
 def test_the_command_tells_its_counts_at_the_end(bench_command: Callable[..., Any]) -> None:
     with open_link("udp_loopback", role="bench") as link:
         process = bench_command("ecu", "--link", link.text, "--json")

@@ -39,6 +39,7 @@ def test_killed_mid_stop_is_judged_and_definite(short_stop: Callable[..., Scenar
     assert one.data.array("age_valve_pump")[-1] == pytest.approx((len(one.data) - killed) * 1e-3, abs=6e-3)
 
 
+@pytest.mark.real_time
 def test_killed_mid_stop_in_real_time(short_stop: Callable[..., ScenarioFile]) -> None:
     run = bench.run(short_stop(ecu=KILLED | APART, pacing="realtime"), record=False)
     assert run.verdict.verdict in ("pass", "fail", "inconclusive")
@@ -50,8 +51,13 @@ def test_killed_mid_stop_in_real_time(short_stop: Callable[..., ScenarioFile]) -
     ("pacing", "number", "message"),
     [
         ("lockstep", signal.SIGKILL, "the ECU ended in tick"),
-        ("realtime", signal.SIGKILL, "the emulated ECU ended during the run (exit code -9)"),
-        ("realtime", signal.SIGSTOP, "fell silent: no good frame for 1."),
+        pytest.param(
+            "realtime",
+            signal.SIGKILL,
+            "the emulated ECU ended during the run (exit code -9)",
+            marks=pytest.mark.real_time,
+        ),
+        pytest.param("realtime", signal.SIGSTOP, "fell silent: no good frame for 1.", marks=pytest.mark.real_time),
     ],
 )
 def test_lost_although_wanted_alive(
@@ -75,7 +81,7 @@ def test_lost_although_wanted_alive(
     assert (recording.frames["identifier"] == 0x210).sum() > 50
 
 
-@pytest.mark.parametrize("pacing", ["lockstep", "realtime"])
+@pytest.mark.parametrize("pacing", ["lockstep", pytest.param("realtime", marks=pytest.mark.real_time)])
 def test_silent_ecu_as_the_scenario_wants_it(pacing: str) -> None:
     """Also with the controller in this process the ECU of the scenario says nothing."""
     kinds = {
@@ -94,6 +100,7 @@ def test_silent_ecu_as_the_scenario_wants_it(pacing: str) -> None:
     assert len({run.data.digest() for run in runs}) == 1
 
 
+@pytest.mark.real_time
 def test_never_answers(short_stop: Callable[..., ScenarioFile]) -> None:
     external = short_stop(ecu={"kind": "external", "link": "udp_loopback", "first_answer": 0.3}, pacing="realtime")
     with pytest.raises(RunError, match=r"sent no frame within 0\.3 s") as raised:
@@ -102,6 +109,7 @@ def test_never_answers(short_stop: Callable[..., ScenarioFile]) -> None:
     assert raised.value.exit_code == 4
 
 
+@pytest.mark.real_time
 def test_never_answers_as_a_user_sees_it(bench_command: Callable[..., Any], tmp_path: Path) -> None:
     external = ["--realtime", "--ecu", "external", "--link", "udp_loopback", "--set", "ecu.first_answer=0.3 s"]
     code, out, errors = bench_command("run", STANDING, *external, "--out", "run").end()

@@ -68,6 +68,7 @@ def test_in_lock_step_everything_but_the_bus_load_is_equal(link: str, short_stop
             assert np.array_equal(disturbed.data.array(name), alone.data.array(name), equal_nan=True), name
 
 
+@pytest.mark.real_time
 def test_in_real_time_they_are_only_counted(link: str, short_stop: Callable[..., ScenarioFile]) -> None:
     with stranger_on(link):
         run = bench.run(short_stop(ecu={"kind": "emulated", "link": link}, pacing="realtime"), record=False)

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from bench.loop.connection import connect
@@ -26,6 +27,7 @@ class SlowRecorder(MemoryRecorder):
             time.sleep(3e-3)
 
 
+@pytest.mark.real_time
 def test_overruns_are_counted_while_the_run_goes_on(short_stop: Callable[..., ScenarioFile]) -> None:
     scenario = short_stop(pacing="realtime")
     parts = build_parts(scenario)

@@ -19,6 +19,7 @@ HERE = Path(__file__).parent
 SHORT_STOP, STANDING = str(HERE / "short_stop.yaml"), str(HERE / "standing.yaml")
 
 
+@pytest.mark.real_time
 def test_real_time_over_the_default_link(bench_command: Callable[..., Any], tmp_path: Path) -> None:
     """Exit code as the verdict says, every file there, and the timing block complete."""
     process = bench_command("run", SHORT_STOP, "--realtime", "--ecu", "emulated", "--out", "run", "--json")
@@ -89,7 +90,7 @@ def test_no_can_in_the_kernel_names_the_command_that_mends_it(bench_command: Cal
     assert "--link udp" in errors
 
 
-@pytest.mark.parametrize("pacing", ["realtime", "lockstep"])
+@pytest.mark.parametrize("pacing", [pytest.param("realtime", marks=pytest.mark.real_time), "lockstep"])
 def test_interrupted(pacing: str, bench_command: Callable[..., Any], tmp_path: Path) -> None:
     """Ctrl-C: exit code 130, and a finished folder whose verdict says so."""
     folder = tmp_path / "run"
