@@ -41,7 +41,7 @@ _ORDER = 4
 _FARTHEST = 2
 _AGREEMENT_S = 0.006
 """Difference between what innovations and correlation say above which neither is believed: physics bends phases more
-than it shifts them."""
+than it shifts them. Correlation that is less sure than that, over gaps, is given its own standard deviation."""
 
 
 def accepted_delays(
@@ -61,7 +61,7 @@ def accepted_delays(
         trials = _Trials(late, current, {0: score}, vehicle, replay, slopes, chosen)
         best = _best_shift(trials.score, round(late.delay_s / SAMPLE_TIME_S))
         delay_s = SAMPLE_TIME_S * _vertex(trials.score, best)
-        agrees = abs(delay_s - late.delay_s) < _AGREEMENT_S
+        agrees = abs(delay_s - late.delay_s) < max(_AGREEMENT_S, late.std_s)
         if agrees and score - trials.score(best) > _MARGIN * min(1.0, samples / _MARGIN_SAMPLES):
             accepted.append(replace(late, delay_s=delay_s))
             current, score = trials.manoeuvres(best), trials.score(best)

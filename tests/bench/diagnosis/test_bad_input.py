@@ -136,7 +136,7 @@ def test_what_cannot_be_diagnosed_is_refused_in_words(
     [
         (dict, set(), ("one manoeuvre only", "not excited by this data")),
         (_without_turning, {"missing_channel"}, ("Without it steering, cornering stiffness and yaw inertia",)),
-        (_with_gaps, {"gap"}, ("without a sample",)),
+        (_with_gaps, {"gap"}, ("of the time is without samples",)),
         (_with_holes, {"not_a_number"}, ("hold no number",)),
     ],
     ids=["one log only", "missing channel", "gaps of a fifth", "blanks of a fifth"],
