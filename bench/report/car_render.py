@@ -17,7 +17,7 @@ from signals.errors import RunError
 
 LIBRARIES = ("egl", "osmesa")
 TIMEOUT_S = 120.0
-HINT = "apt install libegl1 libgl1-mesa-dri   (or libosmesa6), then again; with a screen: --viewer"
+HINT = "sudo apt-get install libegl1 libgl1-mesa-dri   (or libosmesa6), then again; with a screen: --viewer"
 
 
 @dataclass(frozen=True)

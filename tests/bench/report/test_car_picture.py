@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from bench.report.car_render import View, render_car
+from bench.report.car_render import HINT, View, render_car
 from bench.report.car_scene import Pose, scene
 from bench.report.car_viewer import show
 from signals.errors import RunError
@@ -53,7 +53,7 @@ def test_picture_shows_a_blue_car_before_a_bright_sky(tmp_path: Path) -> None:
     try:
         render_car("ekf_car", [Pose()], [path], View(width=320, height=180))
     except RunError as error:
-        pytest.skip(f"no off-screen graphics on this machine: {error.found}")
+        pytest.skip(f"no off-screen graphics here: {HINT}; {error.found}")
     picture = imread(path)[:, :, :3]
     assert picture.shape == (180, 320, 3)
     blue = (picture[:, :, 2] > 1.6 * picture[:, :, 0]) & (picture[:, :, 2] > 0.2)
@@ -63,7 +63,7 @@ def test_picture_shows_a_blue_car_before_a_bright_sky(tmp_path: Path) -> None:
 
 def test_machine_without_graphics_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("bench.report.car_render.LIBRARIES", ("no_such_library",))
-    with pytest.raises(RunError, match=r"apt install libegl1") as caught:
+    with pytest.raises(RunError, match=r"apt-get install libegl1") as caught:
         render_car("ekf_car", [Pose()], [tmp_path / "car.png"])
     assert "no_such_library" in caught.value.found
     assert caught.value.exit_code == 4
@@ -77,7 +77,7 @@ def test_viewer_without_a_screen_points_to_the_picture(monkeypatch: pytest.Monke
         show(load_vehicle("ekf_car"))
 
 
-@pytest.mark.skipif(shutil.which("Xvfb") is None, reason="no virtual screen here: apt install xvfb")
+@pytest.mark.skipif(shutil.which("Xvfb") is None, reason="no virtual screen here: sudo apt-get install xvfb")
 def test_viewer_opens_on_a_screen_with_the_whole_car_in_sight(tmp_path: Path) -> None:
     """On a screen in memory, whose file is an XWD dump: 24 bits of colour in 4 bytes, blue first, at its end."""
     width, height = 1024, 768
