@@ -109,11 +109,10 @@ def test_a_cause_is_measured_on_the_second_half(studied: tuple[str, Found], tmp_
     assert (answer.extension_file is not None) == (tmp_path / "extended_vehicle.yaml").is_file()
 
 
+@pytest.mark.parametrize("studied", ["tyre-rig-ttc-deid"], indirect=True)
 def test_a_wheel_on_a_rig_is_no_car(studied: tuple[str, Found]) -> None:
     """Its slips are given, not made by steering and brakes: that is said, and nothing is named."""
-    name, found = studied
-    if name != "tyre-rig-ttc-deid":
-        pytest.skip("the rig's")
+    _, found = studied
     answer = found.findings.diagnosis
     assert answer.verdict == "insufficient_data"
     assert not answer.causes
