@@ -25,9 +25,11 @@ def late_ticks(times: TickTimes) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     the tick before it was longer than the period, or if it carried such a tick's delay over.
     """
     n = times.count
-    lateness, cpu = times.lateness_ns[:n], times.cpu_ns[:n]
-    late = lateness > LATE_NS
-    return late, late & np.concatenate(([False], cpu[:-1] > PERIOD_NS)) if n else late
+    late = times.lateness_ns[:n] > LATE_NS
+    ours = np.zeros(n, np.bool_)
+    for tick in np.flatnonzero(late[1:]) + 1:
+        ours[tick] = ours[tick - 1] or times.cpu_ns[tick - 1] > PERIOD_NS
+    return late, ours
 
 
 def summarise(times: TickTimes) -> dict[str, Any]:

@@ -51,6 +51,15 @@ def test_late_ticks_are_ours_only_with_the_processor_time_to_show_for_it() -> No
     assert (result["late_ticks"], result["late_ticks_ours"], result["late_ticks_machine"]) == (2, 1, 1)
 
 
+def test_a_delay_that_is_carried_over_stays_ours() -> None:
+    """A tick of 3.6 ms of processor time makes the two after it late; the fourth is on time again."""
+    us = 1000
+    lateness = np.array([1200, 0, 2600, 1700, 800, 0, 1500]) * us
+    cpu = np.array([100, 3600, 100, 100, 100, 100, 100]) * us
+    result = summarise(TickTimes(lateness, cpu.copy(), cpu, 7))
+    assert (result["late_ticks"], result["late_ticks_ours"], result["late_ticks_machine"]) == (4, 2, 2)
+
+
 def test_the_loop_has_the_last_core_for_itself() -> None:
     plan = plan_cores({0, 1, 3})
     assert (plan.loop, plan.helpers, plan.shared) == ({3}, {0, 1}, False)
