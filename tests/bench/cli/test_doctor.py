@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from bench.cli import main
-from bench.doctor import can_bus, findings, line, machine, software, timer
+from bench.doctor import benchmark, can_bus, findings, line, machine, software, timer
 from bench.doctor.finding import Finding
 
 
@@ -81,6 +81,37 @@ def test_lateness_is_counted_from_absolute_deadlines() -> None:
     assert len(late) == 20
     assert late == sorted(late)
     assert late[0] >= 0
+
+
+TIMING: dict[str, Any] = {
+    "scheduler": "fifo 60",
+    "ticks": 9000,
+    "lateness_us": {"p50": 0.1, "p99": 19.0, "p999": 60.0, "max": 900.0},
+    "tick_cpu_us": {"p50": 85.0, "p99": 233.0},
+    "late_ticks": 2,
+    "late_ticks_ours": 0,
+    "late_ticks_machine": 2,
+}
+"""Of a run that meets the goals, a late machine or not."""
+
+
+@pytest.mark.parametrize(
+    ("change", "state"),
+    [
+        ({}, "ok"),
+        ({"late_ticks_ours": 1}, "warn"),
+        ({"lateness_us": {**TIMING["lateness_us"], "p99": 21.0}}, "warn"),
+        ({"lateness_us": {**TIMING["lateness_us"], "p99": 199.0}, "scheduler": "other"}, "ok"),
+        ({"lateness_us": {**TIMING["lateness_us"], "p99": 201.0}, "scheduler": "other"}, "warn"),
+        ({"tick_cpu_us": {"p50": 151.0, "p99": 233.0}}, "warn"),
+        ({"tick_cpu_us": {"p50": 85.0, "p99": 351.0}}, "warn"),
+    ],
+)
+def test_the_real_time_loop_is_held_against_each_goal(change: dict[str, Any], state: str) -> None:
+    finding = benchmark.judge_timing(TIMING | change)
+    assert finding.state == state
+    for word in ("p50 0.1", "p99.9 60.0", "max 900", "late ticks 2 of 9000", "the machine's 2", "tick p50"):
+        assert word in finding.text or change
 
 
 def test_strict_and_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
