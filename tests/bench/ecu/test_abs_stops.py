@@ -1,10 +1,14 @@
 """Stops of a small car with the emulated controller in closed loop: slip band, lock, distance, reference speed."""
 
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+
+from bench.ecu.calibration import calibration_path
+from bench.ecu.records import BUILD_UP, REBUILD, RELEASE, WAIT
 
 KMH = 1 / 3.6
 SURFACES: dict[str, dict[str, Any]] = {
@@ -125,6 +129,38 @@ def test_split_friction_lets_the_yaw_moment_grow_slowly(stop: Any) -> None:
     assert difference[late].max() > 70.0  # in the end the good side is used
     rear = trace.pressure[(trace.time > first_control + 0.3) & (trace.speed > 6)][:, 2:]
     assert np.median(rear[:, 0] - rear[:, 1]) < 20.0  # select low: alone the good side would take 70 bar more
+
+
+def test_rear_wheels_can_be_controlled_each_by_itself(stop: Any, tmp_path: Path) -> None:
+    own = tmp_path / "individual.yaml"
+    own.write_text(calibration_path("sensitive").read_text().replace("slip:\n", "slip:\n  rear_select_low: false\n"))
+
+    def rear(calibration: str) -> Any:
+        trace = stop(calibration=calibration, scale=lambda t, x: (1.0, 0.2)).run()
+        assert trace.longest_lock_s() <= 0.1
+        controlled = (trace.time > ONSET_S + 0.6) & (trace.speed > 6)
+        return trace.pressure[controlled][:, 2:]
+
+    each, low = rear(str(own)), rear("sensitive")
+    assert np.median(each[:, 0] - each[:, 1]) > 50.0  # the good side takes what its road bears
+    assert np.median(each[:, 1]) == pytest.approx(np.median(low[:, 1]), abs=5.0)  # the other side as before
+
+
+@pytest.mark.parametrize("calibration", ["sensitive", "coarse"])
+def test_pressure_is_rebuilt_in_steps(stop: Any, calibration: str) -> None:
+    """Build-up, hold, release, then pulses with a hold between them until the wheel slips again."""
+    trace = run(stop, "high_grip", calibration)
+    phase = trace.phase[braking(trace), 0]
+    assert set(np.unique(phase)) >= {WAIT, RELEASE, REBUILD}
+    assert BUILD_UP in trace.phase[:, 0]
+    inlet_open = trace.valves[braking(trace), 0] == 0
+    begins = np.flatnonzero(np.diff((phase == REBUILD).astype(int)) == 1) + 1
+    ends = [begin + int(np.argmax(phase[begin:] != REBUILD)) for begin in begins]
+    pulses = [np.sum(np.diff(inlet_open[begin:end].astype(int)) == 1) for begin, end in zip(begins, ends, strict=True)]
+    assert len(begins) >= 3
+    assert max(pulses) >= 2  # steps, not one go
+    rebuilding = phase == REBUILD
+    assert 0.0 < inlet_open[rebuilding].mean() < 0.9
 
 
 def test_brake_force_distribution_below_the_lock_limit(stop: Any) -> None:
