@@ -245,7 +245,8 @@ class _RecordedRun:
         outcome = recording.stop(cores=self._cores)
         if dashboard is not None and dashboard.wait(DASHBOARD_END_TIMEOUT_S) is None:
             dashboard.stop()
-        if outcome.problem:
+        # the loop may have ended for that very reason, and told it with what mends it
+        if outcome.problem and not any(outcome.problem.startswith(told.splitlines()[0]) for told in self._errors):
             self._errors.append(outcome.problem)
         if outcome.rows_lost or outcome.frames_lost:
             self._errors.append(f"recording lost {outcome.rows_lost} rows and {outcome.frames_lost} frames")

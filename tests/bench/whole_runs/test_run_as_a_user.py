@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -88,6 +89,23 @@ def test_no_can_in_the_kernel_names_the_command_that_mends_it(bench_command: Cal
     _, _, errors = bench_command("run", SHORT_STOP, "--link", "socketcan:vcan0").end()
     assert "sudo modprobe can-raw vcan" in errors
     assert "--link udp" in errors
+
+
+def test_a_recorder_that_dies_is_told_once(bench_command: Callable[..., Any], tmp_path: Path) -> None:
+    """`kill -9` of the recorder's process: verdict error with one message and what mends it, recording kept."""
+    folder = tmp_path / "run"
+    process = bench_command("run", STANDING, "--lockstep", "--ecu", "inprocess", "--out", "run", "--plain")
+    process.wait_until_recorded(folder)
+    recorder = next(pid for pid, line in process.children().items() if "recorder" in line)
+    os.kill(recorder, signal.SIGKILL)
+    code, out, errors = process.end()
+    assert code == 4
+    assert "Traceback" not in out + errors + (folder / "log.txt").read_text()
+    verdict = json.loads((folder / "verdict.json").read_text())
+    assert verdict["verdict"] == "error"
+    (told,) = verdict["errors"]
+    assert "the recorder ended before the run did" in told
+    assert len(Recording.open(folder)) > 0
 
 
 @pytest.mark.parametrize("pacing", [pytest.param("realtime", marks=pytest.mark.real_time), "lockstep"])
