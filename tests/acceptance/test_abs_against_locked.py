@@ -1,8 +1,8 @@
 """ABS against locked wheels on the same roads, and the car that stays steerable on split friction.
 
 On dry and wet asphalt and on polished ice the friction falls behind a peak at small slip, so that the ABS stop has to
-be shorter. On the snow and ice of Table 2 (friction document 2.2) a locked wheel has 95 % of the peak, on the ice of
-Table 3 all of it: the ratio is reported, the gain there is steering.
+be shorter. On the snow and ice of Table 2 (friction document 2.2) a locked wheel has 95 % of the peak: the ratio is
+reported, the gain there is steering. On the ice of Table 3 it has all of it: reported too.
 """
 
 from collections.abc import Callable
