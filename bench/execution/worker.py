@@ -3,6 +3,7 @@
 import fcntl
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -47,12 +48,16 @@ def _end_with_parent() -> None:
 
 
 def _warm_up(example: str) -> None:
+    from bench.loop.warm_up import COMPILING, MARK
+
     folder = compile_folder()
     folder.mkdir(parents=True, exist_ok=True)
     mark = folder / "workers_compiled.txt"
     with (folder / "workers_compiling.lock").open("w") as lock:
         if not mark.exists():  # one worker compiles, the others wait and load what it compiled
             fcntl.flock(lock, fcntl.LOCK_EX)
+            if not (mark.exists() or (folder / MARK).exists()):
+                print(f"          {COMPILING}", file=sys.stderr, flush=True)
         scenario = Job("", example).scenario_file()
         # what fails here fails again in the first job, whose row says it
         run_job(job_of(scenario.model_copy(update={"time_limit": WARM_UP_S})))

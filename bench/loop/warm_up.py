@@ -12,6 +12,7 @@ from signals.compile_cache import compile_folder
 
 REHEARSED_TICKS = 60
 MARK = "compiled.txt"
+COMPILING = "compiling the models: about a minute, only after an installation or a change"
 
 
 class Rehearsal:
@@ -48,7 +49,7 @@ def warm_up(scenario: ScenarioFile, say: Callable[[str], None]) -> Rehearsal:
     mark = compile_folder() / MARK
     helper = None
     if not mark.exists():
-        say("compiling the models: about a minute, only after an installation or a change")
+        say(COMPILING)
         helper = Helper(scenario)
     rehearsal = Rehearsal(scenario)
     if helper is not None:

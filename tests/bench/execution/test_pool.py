@@ -12,6 +12,7 @@ from pathlib import Path
 import psutil
 import pytest
 
+from bench.execution import worker
 from bench.execution.job import DONE, ERROR, LOST, Job, RunRow, job_of
 from bench.execution.pool import WorkerPool
 from bench.execution.worker import run_job
@@ -45,6 +46,18 @@ def test_rows_are_those_of_this_process_bit_for_bit(pool: WorkerPool, short: Sce
     assert rows["3"].outcome == DONE
     assert rows["3"].seed == 3
     assert len({row.scenario_hash for row in rows.values()}) == 5
+
+
+def test_workers_that_have_to_compile_say_so_once(
+    short: ScenarioFile, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(worker, "compile_folder", lambda: tmp_path)
+    monkeypatch.setattr(worker, "run_job", lambda job: None)
+    for _ in range(2):
+        worker._warm_up(job_of(short).scenario)
+    printed = capsys.readouterr()
+    assert printed.err.count("compiling the models") == 1
+    assert printed.out == ""
 
 
 def test_a_job_is_forced_into_virtual_time_with_the_controller_in_the_worker(short: ScenarioFile) -> None:
