@@ -121,6 +121,7 @@ def law(x: np.ndarray, d: float, b: float) -> np.ndarray:
     return d * np.sin(1.5 * np.arctan(b * x))
 
 
+EARLIER = 8
 SURFACES = {"asphalt": (0.95, 8.0), "basalt": (0.55, 8.0), "ice": (0.28, 14.0)}
 
 
@@ -158,16 +159,22 @@ def test_fit_without_noise(surface: str, record: Callable[..., None]) -> None:
     assert found == pytest.approx(d, rel=0.01)
 
 
+def up_to_65_percent(surface: str) -> np.ndarray:
+    """Sixty slip angles up to 65 % of the peak of a surface's curve (AC-30)."""
+    return np.linspace(1e-3, math.tan(math.asin(0.65) / 1.5) / SURFACES[surface][1], 60)
+
+
 @pytest.mark.acceptance("V-30")
 @pytest.mark.parametrize("surface", SURFACES)
 def test_fit_with_noise(surface: str, record: Callable[..., None]) -> None:
     """Median over 400 draws, beside the one that theory gives for least absolute deviations (asymptotic normality).
 
-    On ice theory gives 5.2 %, more than the 5 % that the document proposes: no search of its objective does better. Its
-    own 4.2 % (C.3) is a median of 40 draws, which scatters by 0.8 %.
+    On ice theory gives 5.2 %, more than the 5 % that the document proposes: no search of its objective does better
+    without a word of the stiffness. The document's ice row has that word (C.3, "start close to the answer in B") and is
+    judged under it below; the figure of a wheel that knows nothing is reported here.
     """
     d, b = SURFACES[surface]
-    x = np.linspace(1e-3, math.tan(math.asin(0.65) / 1.5) / b, 60)
+    x = up_to_65_percent(surface)
     errors = []
     for seed in range(5000, 5400):
         random = np.random.default_rng(seed)
@@ -178,12 +185,44 @@ def test_fit_with_noise(surface: str, record: Callable[..., None]) -> None:
     # absolute deviations under normal noise: variance pi/2 times that of least squares
     variance = 0.5 * math.pi * 0.005**2 * np.linalg.inv(jacobian.T @ jacobian)[0, 0]
     theory = 100.0 * 0.6745 * math.sqrt(variance) / d
-    record(f"{surface}: median D error %", median, "<= 5")
+    judged = surface != "ice"
+    limit = "<= 5" if judged else "reported: nothing known of B; 5 by the document with B nearly known"
+    record(f"{surface}: median D error %", median, limit)
     record(f"{surface}: by theory %", theory, "reported")
     assert median == pytest.approx(theory, rel=0.2)  # three standard errors of a median of 400 draws
-    if theory > 5.0:
-        pytest.xfail(f"{surface}: least absolute deviations cannot do better than {theory:.1f} % with this noise")
-    assert median <= 5.0
+    assert median <= 5.0 or not judged
+
+
+@pytest.mark.acceptance("V-30")
+def test_fit_with_noise_behind_earlier_fits_of_the_same_ice(record: Callable[..., None]) -> None:
+    """C.3's condition for ice, B nearly known, as a wheel in service has it: from its own EARLIER fits, noisy as well.
+
+    Through the engine, which takes that stiffness only where it explains the data of the curve at hand. A curve that
+    gives no fit counts as infinitely wrong.
+    """
+    d, b = SURFACES["ice"]
+    x = up_to_65_percent("ice")
+    errors, takes_known_b = np.full((400, EARLIER + 1), math.inf), np.zeros((400, EARLIER + 1), bool)
+    for draw in range(400):
+        random = np.random.default_rng(7000 + draw)
+        memory = curve_memory(fit__threshold="fixed", fit__threshold_lateral=float(x[-2:].mean()))
+        fits = 0
+        for number in range(EARLIER + 1):
+            known_b = float(memory[0][0]["known_b"])
+            angles = (-1.0) ** number * x
+            feed(memory, angles, law(angles, d, b) + 0.005 * random.standard_normal(60))
+            if memory[4][0] > fits:
+                event = dict(zip(LOG_COLUMNS, memory[3][fits], strict=True))
+                errors[draw, number] = abs(event["limit"] / d - 1.0)
+                takes_known_b[draw, number] = event["stiffness"] == known_b
+                fits += 1
+    medians = 100.0 * np.median(errors, axis=0)
+    record(f"ice, behind {EARLIER} fits of it: median D error %", medians[EARLIER], "<= 5")
+    record("ice, behind 2 fits of it: median D error %", medians[2], "reported")
+    record("ice, engine's first fit: median D error %", medians[0], "reported: nothing known of B")
+    record(f"ice, behind {EARLIER} fits of it: part that takes their B", takes_known_b[:, -1].mean(), "reported")
+    assert medians[EARLIER] <= 5.0
+    assert np.isfinite(errors).all()  # none of the medians is one of chosen curves
 
 
 @pytest.mark.acceptance("V-31", "V-38")
