@@ -72,11 +72,14 @@ CARS = ("ekf_car", "baseline_car", "asphalt_car")
 _CHOICES = (
     ("193", "wheel-speed signal: a train of pulses", "tone rings, `sensors.wheel_speed`"),
     ("195, 436, 448", "valves to increase, hold, decrease; active build-up", "`hydraulic_unit.selection_logic`"),
+    ("207", "periods after which a missing message is a fault", "`monitoring.timeout_periods` of the calibration"),
     ("602", "Joseph form of the update", "every filter of `estimators/kalman`"),
     ("739", "start speed from the wheels that slip least", "`estimators/longitudinal_start.py`"),
     ("755", "noise without torques", "`torque_mode` z1, z2"),
+    ("966", "limits of the acceptance targets", "`at_least`, `at_most` of the criteria in `scenarios/friction`"),
     ("1035", "classes of CAN errors", "`bench inject`, `faults:` in a scenario"),
     ("1087", "faults of the hydraulic unit", "`hydraulics.*`, neutral by default"),
+    ("1097", "scenario file, batch runner, verdict file, report", "`bench run`, `bench batch`, `bench report`"),
     ("1223", "gravity 9.81 m/s²", "a constant"),
     ("1246", "grip jump by position, or over a time", "`road.jumps`, or a stimulus on `road.friction`"),
 )
