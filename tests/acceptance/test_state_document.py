@@ -16,8 +16,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from state_consistency import lateral_filter
 from state_runs import ALL_NOISE, NOISE, SEEDS, TUNING_SEEDS, WHEELS, Drive, Replay, drive, forget_drives, rmse_percent
 
+from signals.catalogue import block_slice, index_of
 from vehicle_model.reference.planar_stops import abs_study, mean_percentages
 
 SLALOMS = {
@@ -303,6 +305,14 @@ def test_covariance_stays_positive() -> None:
         assert lowest >= -1e-12
 
 
+@pytest.mark.acceptance("V-21")
+def test_consistency_is_reported(record: Callable[..., None]) -> None:
+    """Pseudo measurements of the filter's own state: docs/estimators_consistency.md gives the reasons."""
+    for name, found in zip(("NEES of v_y and yaw rate", "NIS of 5"), lateral_filter(), strict=True):
+        record(f"{name}, 60 runs", found.mean, f"reported: {found.low:.3g} ... {found.high:.3g} if the noise were true")
+        assert math.isfinite(found.mean)
+
+
 @pytest.mark.acceptance("V-58")
 @pytest.mark.parametrize("fault", ["stuck", "dropout", "not_a_number"])
 def test_faulty_lateral_accelerometer(fault: str, record: Callable[..., None]) -> None:
@@ -324,14 +334,20 @@ def test_faulty_lateral_accelerometer(fault: str, record: Callable[..., None]) -
 
 @pytest.mark.acceptance("V-59")
 def test_step_time(record: Callable[..., None]) -> None:
-    """Reported with its 99 % value; benchmarks/estimator_speed judges it."""
+    """Mean and 99 % value; benchmarks/estimator_speed judges it."""
     run = drive("state/slalom_dry_asphalt")
-    replay = Replay(run, "observer_cascade", {}, seed=0)
-    columns = run.columns(replay.estimator.inputs, 0, NOISE)
-    replay.estimator.replay({name: values[:10] for name, values in columns.items()})
-    started = time.perf_counter()
-    replay.estimator.replay({name: values[:2000] for name, values in columns.items()})
-    record("mean time of a tick of the cascade us", 1e6 * (time.perf_counter() - started) / 2000, "reported, dt 1000")
+    cascade = Replay(run, "observer_cascade", {}, seed=0).estimator
+    bus, bus_age = block_slice("bus"), block_slice("bus_age")
+    inputs, ages = np.zeros((4000, bus.stop - bus.start)), np.zeros(bus_age.stop - bus_age.start)
+    for name, values in run.columns(cascade.inputs, 0, NOISE).items():
+        inputs[:, index_of(name) - bus.start] = values[: len(inputs)]
+    out, times = np.zeros(len(cascade.outputs)), []
+    for row in inputs:
+        started = time.perf_counter()
+        cascade.tick(row, ages, out)
+        times.append(1e6 * (time.perf_counter() - started))
+    record("mean time of a tick of the cascade us", float(np.mean(times)), "reported, dt 1000")
+    record("99 % value us", float(np.percentile(times, 99)), "reported, dt 1000")
 
 
 @pytest.mark.acceptance("V-60")
