@@ -44,7 +44,7 @@ def write_group_comparison(folder: Path, result: GroupComparison) -> None:
 
 
 def text_of(result: GroupComparison) -> str:
-    """For people: root mean squared errors of each quantity by run, for friction limits the times to ±10 % too."""
+    """For people: root mean squared errors of each quantity by run, of friction limits times to ±10 % and jumps."""
     lines = [f"estimators of the group {result.name}: {result.group.title}; RMSE {result.group.phase}"]
     for quantity in _shown(result):
         lines += ["", _heading(result, quantity)]
@@ -52,6 +52,7 @@ def text_of(result: GroupComparison) -> str:
         lines += _matrix(result, quantity, lambda score: f"{score.rmse:.3g}")
         if quantity.startswith("friction_limit"):
             lines += ["  time to ±10 %:", *_matrix(result, quantity, lambda score: cells(score)[3])]
+            lines += ["  jumps, largest less smallest:", *_matrix(result, quantity, lambda score: cells(score)[4])]
     lines += ["", "processor time of a step, us:"]
     lines += [f"  {name:<30} {value:6.1f}" for name, value in result.step_time_us.items()]
     lines += [f"  {name:<30} {reason}" for name, reason in result.skipped.items()]

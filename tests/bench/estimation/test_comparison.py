@@ -87,6 +87,7 @@ def test_a_group_on_a_stop_writes_table_picture_and_page(tmp_path):
     assert "simple_braking" in result.skipped
     text = text_of(result)
     assert "force front in N" in text
+    assert text.count("time to ±10 %") == text.count("jumps, largest less smallest") == 3
     assert "friction_ekf" in text
     page = (tmp_path / "comparison.html").read_text("utf-8")
     assert page.count("<h2>") == len(result.quantities()) + 1
