@@ -2,6 +2,7 @@
 
 import ast
 import csv
+import importlib.util
 import sys
 from functools import cache
 from pathlib import Path
@@ -40,6 +41,15 @@ def test_every_named_test_exists():
         if row["test_node_id"]:
             file, *_, name = row["test_node_id"].split("::")
             assert name in functions(ROOT / file), row["test_node_id"]
+
+
+def test_the_page_of_the_state_observers_results_is_that_of_the_table():
+    """``python docs/generate_state_results.py`` writes it."""
+    path = ROOT / "docs" / "generate_state_results.py"
+    specification = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    assert module.PAGE.read_text("utf-8") == module.page(), "stale: run python docs/generate_state_results.py"
 
 
 def test_a_row_is_written_per_requirement_and_test(pytestconfig: pytest.Config):
