@@ -25,7 +25,8 @@ HEADS = {
         "friction estimators",
         "Every run is the stop of `friction/e10_abs_grip_jump` (95 km/h, ABS, car\n"
         "of Table 8 on the document's single-track plant) without its jump, with one thing other than the estimators\n"
-        "assume. Figures are taken over the braking phase.",
+        "assume. Figures are taken over the braking phase. Forces are in N: 10 % of m g/2, the target of a stop with\n"
+        "locked wheels (A14), are 636 N; under an ABS the force EKF follows the torques' swings with its lag, 670 N.",
     ),
     "state": _head(
         "state",
@@ -67,7 +68,8 @@ _FRICTION = {
         "With torques the wheel equations tell the true tyre force, which a heavier car needs more of, while "
         "the accelerometer times the believed mass tells less. The filter resolves the contradiction by a "
         "lower speed, hence less slip, and a higher limit. Without torques force and load scale alike and the "
-        "ratio stays."
+        "ratio stays. The force EKF's speed is the integral of its forces over the believed mass, and no row ties it: "
+        "it falls too fast, below zero before the car stands, where the forces run away too."
     ),
     "wheel_radius": (
         "Smaller wheels turn faster: while rolling the speed is too high by as much, and the error lasts "
@@ -81,7 +83,8 @@ _FRICTION = {
     ),
     "accelerometer_offset": (
         "Integrated by row 8 and read as force by row 1, as on a slope. Without torques nothing but the "
-        "accelerometer tells the force, so that the error is twice as large."
+        "accelerometer tells the force, so that the error is twice as large. Nothing ties the "
+        "force EKF's speed: 0.3 m/s² cost it 11 m/s in the launch already; its forces come from the wheels and stay."
     ),
     "sensor_noise": (
         "All noises times 2 and 5: accelerometer 0.25 m/s², pressures 0.5 bar, teeth of the rings misplaced "
@@ -95,7 +98,8 @@ _FRICTION = {
     "adaptive_damper": (
         "On the MuJoCo car the body pitches into the accelerometer and the loads swing: that is the step from "
         "the first to the second level ([reasons](acceptance.md#reasons)). Adaptive dampers take a little of "
-        "the swing away."
+        "the swing away. The force EKF's speed runs off as with an offset, 7 m/s at the end; with adaptive dampers "
+        "its forces lose their split as well, at the end of the stop."
     ),
     "unknown_torque": (
         "Rows 1 to 3 with `torque_mode: z2`: only the load-weighted mean is observable then (3.6.9), and it is as good."

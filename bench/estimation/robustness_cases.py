@@ -188,9 +188,16 @@ FRICTION_PLAN = RobustnessPlan(
         "friction_ekf": {"torque_mode": "known"},
         "friction_ekf_unknown_torque": {"torque_mode": "z2"},
         "friction_ukf": {"torque_mode": "known"},
+        "force_ekf": {},
         "slip_slope_rls": {},
         "simple_braking": {},
     },
-    {"speed": "rmse", "friction_limit_mean": "relative", "friction_used_mean": "rmse"},
+    {
+        "speed": "rmse",
+        "friction_limit_mean": "relative",
+        "friction_used_mean": "rmse",
+        "force_front": "rmse",
+        "force_rear": "rmse",
+    },
     _FRICTION,
 )

@@ -13,7 +13,7 @@ from bench.report.plot_style import INK, plot_style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_COLOURS = ("#0b62c4", "#c2410c", "#0f7b4f", "#9333a8", "#515b6a", "#b45309")
+_COLOURS = ("#0b62c4", "#c2410c", "#0f7b4f", "#9333a8", "#515b6a", "#be185d")
 _PANELS = 3
 """Panels in a row of a chart."""
 
@@ -65,6 +65,8 @@ def draw(path: Path, plan: RobustnessPlan, result: PerturbationResult) -> None:
             rows, columns, figsize=(10.0, 0.5 + 2.4 * rows), layout="constrained", squeeze=False
         )
         figure.suptitle(result.perturbation.title, x=0.012, ha="left", fontsize=11, fontweight="bold", color=INK)
+        for axis in axes.flat[len(plan.quantities) :]:
+            axis.axis("off")
         for axis, (quantity, kind) in zip(axes.flat, plan.quantities.items(), strict=False):
             _panel(axis, plan, result, quantity, kind)
         handles = [
