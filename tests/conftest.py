@@ -21,6 +21,7 @@ TRACEABILITY = Path(__file__).resolve().parent.parent / "docs" / "traceability.c
 COLUMNS = ("id", "source_line", "test_node_id", "measured", "limit", "verdict")
 _PROPERTY = "acceptance"
 _WITNESS = "witness"
+_CONFORMANCE = "conformance"
 OPEN = "open"
 
 
@@ -87,6 +88,22 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
         terminalreporter.section("independent witnesses")
         for line in lines:
             terminalreporter.line(line)
+    _tell_conformance(terminalreporter)
+
+
+def _tell_conformance(terminalreporter: Any) -> None:
+    """How many published names of ISO 16845-1 passed in all their tests, and what became of the others."""
+    found: dict[str, dict[str, str]] = {}
+    for outcome in ("passed", "skipped", "xfailed", "failed", "error"):
+        for report in terminalreporter.stats.get(outcome, []):
+            for name in (text for key, text in report.user_properties if key == _CONFORMANCE):
+                found.setdefault(name, {})[outcome] = report.nodeid
+    if found:
+        others = {name: told for name, outcomes in found.items() if (told := outcomes.keys() - {"passed"})}
+        terminalreporter.section("names of ISO 16845-1")
+        terminalreporter.line(f"{len(found) - len(others)} of {len(found)} names passed")
+        for name, told in sorted(others.items()):
+            terminalreporter.line(f"{name}: " + ", ".join(f"{outcome} {found[name][outcome]}" for outcome in told))
 
 
 class _TraceabilityWriter:

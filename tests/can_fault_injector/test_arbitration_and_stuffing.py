@@ -167,6 +167,32 @@ def test_st02_stuff_bits_count_towards_the_next_run() -> None:
     assert receiver(stream(frame)).nodes["node"].received == [frame]
 
 
+SENT_STUFFED = [
+    Frame(0x078, b"\x01"),
+    Frame(0x000, bytes(8)),
+    Frame(0x7FF, b"\xff" * 8),
+    Frame(0x01E07800, b"\x0f\x83\xc1", extended=True),
+    Frame(0x1FFFFFFF, b"\xff" * 8, extended=True),
+    _ending_in_a_stuff_bit(),
+]
+
+
+@pytest.mark.parametrize("frame", SENT_STUFFED, ids=str)
+def test_st02_sender_puts_stuff_bits_after_five_equal_bits(frame: Frame) -> None:
+    """Runs of five, stuff bits that begin a run, a stuff bit after the CRC: the wire has the frame's bits only."""
+    bus = Bus(["sender", "receiver"])
+    bus.send("sender", frame)
+    bus.run(300, until_idle=True)
+    levels = stream(frame, acknowledged=True)
+    assert bus.trace.bus[: len(levels)].tolist() == levels
+    stuffed = [i for i, name in enumerate(frame.bit_names()) if name.startswith("stuff.")]
+    assert stuffed
+    for i in stuffed:
+        assert levels[i - 5 : i] == [1 - levels[i]] * 5
+    assert bus.nodes["receiver"].received == [frame]
+    assert bus.nodes["sender"].counter_steps == bus.nodes["receiver"].counter_steps == []
+
+
 @pytest.mark.parametrize("name", ["srr.0", "r1.0", "r0.0"])
 def test_fm01_non_nominal_reserved_bits_of_extended_frames(name: str) -> None:
     frame = Frame(0x12345678, b"\x42", extended=True)

@@ -7,7 +7,16 @@ ISO 11898-1:2015, clause 11.3, and are counted in quanta by hand. Segments: 1 + 
 import numpy as np
 import pytest
 from bit_tester import FRAME, NAMES, START
-from timed_tester import BIT_RATE, JUMP, QUANTA, QUANTUM_NS, TO_SAMPLE, receiver, samples_after
+from timed_tester import (
+    BIT_RATE,
+    JUMP,
+    QUANTA,
+    QUANTUM_NS,
+    TO_SAMPLE,
+    receiver,
+    samples_after,
+    timed_counter_steps,
+)
 
 from can_fault_injector import Frame, Node
 from can_fault_injector.timed_bus import BitTiming, TimedBus, TimedNode
@@ -145,12 +154,13 @@ def test_bt01_iso_7_7_11_early_edge_in_the_acknowledge_slot(early: int) -> None:
     """Somebody else acknowledges a little before the node's slot begins: its own dominant bit begins there too."""
     slot = NAMES.index("ack_slot.0")
     levels = stretched({slot - 1: QUANTA - early, slot: QUANTA + early})
-    bus = TimedBus([TimedNode(Node("node"))], BIT_RATE)
+    bus = TimedBus([TimedNode(Node("node", receive_errors=2))], BIT_RATE)
     bus.drive(levels, START, 1 / QUANTA)
     bus.run(START + len(NAMES) + 4)
     before = (slot - 1) * QUANTA + TO_SAMPLE
     assert samples_after(bus, before + 1)[0] - before == QUANTA - early
     assert bus.nodes["node"].errors == []
+    assert timed_counter_steps(bus) == [(START + NAMES.index("eof.5"), 0, 1)]
 
 
 def sender(levels: dict[int, int]) -> TimedBus:
@@ -173,6 +183,8 @@ def test_bt01_iso_8_7_1_sample_point_of_a_sender(length: int) -> None:
     delimiter = NAMES.index("ack_del.0") * QUANTA
     bus = sender({delimiter + i: 0 for i in range(length)})
     assert bus.nodes["node"].errors == (["form"] if length > TO_SAMPLE else [])
+    steps = timed_counter_steps(bus)[:1]
+    assert steps == ([(START + NAMES.index("ack_del.0"), 8, 0)] if length > TO_SAMPLE else [])
 
 
 @pytest.mark.parametrize("early", range(1, 5))

@@ -124,6 +124,7 @@ def test_bt02_janus_frame_with_resynchronising_nodes() -> None:
     assert bus.nodes["early"].received == [early]
     assert bus.nodes["late"].received == [late]
     assert all(view.errors == [] for view in bus.nodes.values())
+    assert {(sample.transmit_errors, sample.receive_errors) for sample in bus.samples} == {(0, 0)}
 
 
 def test_bt02_many_split_edges_put_the_nodes_out_of_step() -> None:

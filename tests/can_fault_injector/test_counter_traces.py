@@ -6,26 +6,39 @@ rules of fault confinement (Bosch CAN 2.0 part B, section 8), which themselves a
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import pytest
 from crccheck.crc import Crc17CanFd
 
 from can_fault_injector import Bus, Disturbance, Frame, Node
 
-FRAME = Frame(0x2AA, b"\x55\x0f")
+FRAME, WINNER = Frame(0x2AA, b"\x55\x0f"), Frame(0x2A9, b"\x55")
+TWICE_STUFFED, LONG_CODE = Frame(0x078, b"\x01"), Frame(0x123, bytes(range(8)), dlc=12)
+FD = Frame(0x123, b"\x42\x43", fd=True)
+FD_PASSIVE = replace(FD, error_state_indicator=True)
 NAMES = list(FRAME.bit_names())
 START, PASSIVE = 4, 130
-FLAG, DELIMITER, INTERMISSION = 6, 8, 3
+FLAG, DELIMITER, INTERMISSION, SUSPEND = 6, 8, 3, 8
+EOF_6 = NAMES.index("eof.6")
 END = START + len(NAMES)
 """First bit of the intermission of a frame that begins at ``START``."""
 AGAIN = FLAG + DELIMITER + INTERMISSION
 """From the bit of an error to that before the next SOF, less one."""
+AFTER_WINNER = START + len(list(WINNER.bit_names())) + INTERMISSION
+"""First bit of a frame that follows the winner of an arbitration at once."""
+ACKNOWLEDGED = Disturbance("dominant", "ack_slot", repeat=-1)
 Steps = list[tuple[int, int, int]]
 
 
 def at(name: str) -> int:
     return START + NAMES.index(name if "." in name else f"{name}.0")
+
+
+def place(frame: Frame, name: str) -> int:
+    """A bit of a frame that begins at ``START``."""
+    return START + list(frame.bit_names()).index(name)
 
 
 def again(error: int, name: str, extra: int = 0) -> int:
@@ -208,7 +221,97 @@ CASES: dict[str, Callable[[], Case]] = {
         frames=[("sender", Frame(0x123, bytes(8), fd=True))],
         received={"victim": [], "other": [Frame(0x123, bytes(8), fd=True)]},
     ),
+    "ef01_crc_error_counts_at_the_ack_delimiter": lambda: Case(
+        {"node": [(at("ack_del"), 0, 1)]},
+        [Disturbance("flip", at("crc.14"))],
+        nodes={"node": {}},
+        frames=[],
+        driven=levels()[: NAMES.index("ack_del.0") + 1],
+    ),
+    "ef07_passive_sender_repeats_after_31_bits": lambda: Case(
+        # six dominant bits of another node's flag after its own passive flag: below the eighth of FC06a
+        {"sender": [(at("data.0"), PASSIVE + 8, 0), (again(at("data.0"), "eof.6", FLAG + SUSPEND), PASSIVE + 7, 0)]},
+        [Disturbance("flip", "data.0"), Disturbance("dominant", at("data.0") + 7, length=6), ACKNOWLEDGED],
+        nodes={"sender": {"transmit_errors": PASSIVE}},
+    ),
+    "ef07_sender_turned_passive_by_its_error_suspends": lambda: Case(
+        {"sender": [(at("data.0"), 127 + 8, 0), (again(at("data.0"), "eof.6", SUSPEND), 127 + 7, 0)]},
+        [Disturbance("flip", "data.0"), ACKNOWLEDGED],
+        nodes={"sender": {"transmit_errors": 127}},
+    ),
+    "su01_passive_sender_counts_down_at_frames_eight_bits_further_apart": lambda: Case(
+        {"sender": [(at("eof.6"), PASSIVE - 1, 0), (END + INTERMISSION + SUSPEND + EOF_6, PASSIVE - 2, 0)]},
+        [ACKNOWLEDGED],
+        nodes={"sender": {"transmit_errors": PASSIVE}},
+        frames=[("sender", FRAME)] * 2,
+    ),
+    "su01_active_sender_counts_down_at_frames_without_suspension": lambda: Case(
+        {"sender": [(at("eof.6"), 126, 0), (END + INTERMISSION + EOF_6, 125, 0)]},
+        [ACKNOWLEDGED],
+        nodes={"sender": {"transmit_errors": 127}},
+        frames=[("sender", FRAME)] * 2,
+    ),
+    "su02_passive_loser_of_the_arbitration_does_not_suspend": lambda: Case(
+        # first the winner is received, REC 9 to 8; then it sends at once
+        {"sender": [(place(WINNER, "eof.5"), PASSIVE, 8), (AFTER_WINNER + EOF_6, PASSIVE - 1, 8)]},
+        [ACKNOWLEDGED],
+        nodes={"sender": {"transmit_errors": PASSIVE, "receive_errors": 9}},
+        driven=levels(WINNER),
+    ),
+    "ar01_loser_counts_as_a_receiver_and_then_as_a_sender": lambda: Case(
+        {
+            "sender": [(place(WINNER, "eof.5"), 5, 4), (AFTER_WINNER + EOF_6, 4, 4)],
+            "other": [(place(WINNER, "eof.6"), 6, 0)],
+            "victim": [],
+        },
+        nodes={"sender": {"transmit_errors": 5, "receive_errors": 5}, "other": {"transmit_errors": 7}, "victim": {}},
+        frames=[("sender", FRAME), ("other", WINNER)],
+        received={"victim": [WINNER, FRAME], "sender": [WINNER], "other": [FRAME]},
+    ),
+    "st02_stuff_bit_after_a_stuff_bit_counts_as_a_good_frame": lambda: Case(
+        {"node": [(place(TWICE_STUFFED, "eof.5"), 0, 1)]},
+        nodes={"node": {"receive_errors": 2}},
+        frames=[],
+        driven=levels(TWICE_STUFFED),
+        received={"node": [TWICE_STUFFED]},
+    ),
+    "fm01_length_code_above_eight_counts_as_a_good_frame": lambda: Case(
+        {"node": [(place(LONG_CODE, "eof.5"), 0, 1)]},
+        nodes={"node": {"receive_errors": 2}},
+        frames=[],
+        driven=levels(LONG_CODE),
+        received={"node": [LONG_CODE]},
+    ),
+    "fd04_wrong_fixed_stuff_bit_counts_one_there": lambda: Case(
+        {"node": [(place(FD, "fixed_stuff.2"), 0, 1)]},
+        [Disturbance("flip", place(FD, "fixed_stuff.2"))],
+        nodes={"node": {}},
+        frames=[],
+        driven=levels(FD)[: list(FD.bit_names()).index("fixed_stuff.2") + 1],
+    ),
+    "fd07_passive_sender_counts_down_and_shows_itself_in_esi": lambda: Case(
+        {"sender": [(place(FD_PASSIVE, "eof.6"), 127, 0)], "victim": [(place(FD_PASSIVE, "eof.5"), 0, 4)]},
+        nodes={"sender": {"transmit_errors": 128}, "victim": {"receive_errors": 5}},
+        frames=[("sender", FD)],
+        received={"victim": [FD_PASSIVE]},
+    ),
 }
+
+
+def _good_fd(frame: Frame) -> Case:
+    return Case(
+        {"sender": [(place(frame, "eof.6"), 2, 0)], "victim": [(place(frame, "eof.5"), 0, 3)]},
+        nodes={"sender": {"transmit_errors": 3, "iso": frame.iso}, "victim": {"receive_errors": 4, "iso": frame.iso}},
+        frames=[("sender", frame)],
+        received={"victim": [frame]},
+    )
+
+
+# both CRCs, with and without a change of rate, data that end in five equal bits (FD05)
+for _length in (0, 8, 16, 20, 64):
+    for _iso in (True, False):
+        _frame = Frame(0x123, b"\xe0" * _length, fd=True, bit_rate_switch=_length > 8, iso=_iso)
+        CASES[f"fd01_to_fd06_{_length}_bytes_{'iso' if _iso else 'non_iso'}"] = partial(_good_fd, _frame)
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -25,3 +25,11 @@ def samples_after(bus: TimedBus, quantum: int) -> list[float]:
     begin = START * QUANTA
     times = [sample.time_ns / QUANTUM_NS - begin for sample in bus.samples if sample.node == "node"]
     return [time for time in times if time >= quantum]
+
+
+def timed_counter_steps(bus: TimedBus, node: str = "node") -> list[tuple[int, int, int]]:
+    """Nominal bit, TEC and REC of every sample of a node that changed one of them."""
+    samples = [sample for sample in bus.samples if sample.node == node]
+    counters = [(sample.transmit_errors, sample.receive_errors) for sample in samples]
+    times = [int(sample.time_ns / QUANTUM_NS / QUANTA) for sample in samples]
+    return [(times[i], *counters[i]) for i in range(1, len(samples)) if counters[i] != counters[i - 1]]

@@ -131,6 +131,8 @@ def test_a_robustness_study_has_a_row_per_estimator_and_quantity(tmp_path):
     lines = table(plan, result).splitlines()
     assert lines[0] == "| Estimator | Quantity | none | 20 ms |"
     assert len(lines) == 5  # the simple evaluation has no speed that is compared
+    assert lines[2].startswith("| `friction_ekf` | speed, RMSE in m/s |")
+    assert lines[3].startswith("| `friction_ekf` | friction used mean, RMSE |")
     draw(tmp_path / "chart.png", plan, result)
     assert (tmp_path / "chart.png").stat().st_size > 5000
     speed = {

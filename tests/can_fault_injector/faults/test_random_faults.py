@@ -13,6 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from bench.codec.codec import Codec
+from bench.injection.contents import BusContents
 from can_fault_injector.faults.fault_file import Disturbance, FaultsFile
 from can_fault_injector.frame import Frame
 from signals.errors import FileFaults
@@ -23,6 +25,7 @@ assert _SPEC is not None
 CASES = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(CASES)
 MS = CASES.MS
+CONTENTS = BusContents(Codec.load())
 
 short_times = st.floats(0.0, 0.01)
 payloads = st.binary(max_size=8).map(bytes.hex)
@@ -130,7 +133,7 @@ def faults(of: st.SearchStrategy[dict[str, Any]]) -> st.SearchStrategy[list[dict
 
 
 def run_through(listed: list[dict[str, Any]], sent: list[tuple[str, Frame]], steps: int) -> None:
-    engine = CASES.injector(*listed)
+    engine = CASES.injector(*listed, contents=CONTENTS)
     delivered, last = [], 0
     for number in range(steps):
         engine.begin_step(number * MS)
