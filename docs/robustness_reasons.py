@@ -57,8 +57,9 @@ HEADS = {
         "attitude",
         "attitude filters",
         "Every run is `state/attitude_slalom` (the MuJoCo car on a flat road), with\n"
-        "one thing other than the filters assume. The bank stands beside its references: one filter\n"
-        "alone, and one filter with the offset as one more state. Not tried: torques and tyres, of which they hear\n"
+        "one thing other than the filters assume. The bank stands beside the document's three references (8 item 57):\n"
+        "one filter with the bank's noise, one with the noise that suits it best (chosen without a disturbance),\n"
+        "one with the offset as one more state. Not tried: torques and tyres, of which they hear\n"
         "nothing; the ABS, which holds the weights (`state/attitude_abs_stop`).",
     ),
 }

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _COLOURS = ("#0b62c4", "#c2410c", "#0f7b4f", "#9333a8", "#515b6a", "#be185d")
+_NO_UNIT = "1"
 _PANELS = 3
 """Panels in a row of a chart."""
 
@@ -30,7 +31,7 @@ def table(plan: RobustnessPlan, result: PerturbationResult) -> str:
             found = [_find(result.scores[label], name, quantity) for label in labels]
             if any(score is not None for score in found):
                 shown = " | ".join("-" if score is None else _shown(score, figure) for score in found)
-                lines.append(f"| `{name}` | {_heading(quantity, figure)} | {shown} |")
+                lines.append(f"| `{name}` | {_heading(result, quantity, figure)} | {shown} |")
     return "\n".join(lines)
 
 
@@ -46,9 +47,12 @@ def _shown(score: Score, figure: str) -> str:
     return f"{score.rmse:.3g}" if figure == "rmse" else f"{100.0 * score.relative_error:+.1f} %"
 
 
-def _heading(quantity: str, figure: str) -> str:
+def _heading(result: PerturbationResult, quantity: str, figure: str) -> str:
     words = quantity.replace("_", " ")
-    return f"{words}, RMSE" + (" in m/s" if quantity == "speed" else "") if figure == "rmse" else f"{words}, mean error"
+    if figure != "rmse":
+        return f"{words}, mean error"
+    unit = next((s.unit for scores in result.scores.values() for s in scores if s.quantity == quantity), _NO_UNIT)
+    return f"{words}, RMSE" + ("" if unit == _NO_UNIT else f" in {unit}")
 
 
 def draw(path: Path, plan: RobustnessPlan, result: PerturbationResult) -> None:
@@ -87,7 +91,7 @@ def _panel(axis: "Axes", plan: RobustnessPlan, result: PerturbationResult, quant
             axis.plot(range(len(labels)), values, "o-", color=colour, markersize=4)
     axis.set_xticks(range(len(labels)), labels)
     axis.set_xlim(-0.3, len(labels) - 0.7)
-    axis.set_ylabel(_heading(quantity, kind).replace("friction", "fr.") + (" in %" if kind != "rmse" else ""))
+    axis.set_ylabel(_heading(result, quantity, kind).replace("friction", "fr.") + (" in %" if kind != "rmse" else ""))
     if kind == "rmse":
         axis.set_ylim(bottom=0.0)
     else:
