@@ -119,6 +119,31 @@ def test_without_steering_the_front_force_is_not_observable(record: Callable[...
     assert found["force_front_confidence"][9999] > 0.5 > found["force_front_confidence"][15000]
 
 
+@pytest.mark.acceptance("N-15")
+def test_what_was_learned_stays_to_the_last_bit_while_the_wheels_point_ahead(record: Callable[..., None]) -> None:
+    """delta = 0 after 5 s of S1, with a yaw rate that does not fit: an error of it teaches the front force nothing."""
+    source = drive("S1")
+    signals = measured(source)
+    observer = create("neural_force_observer", numbers(), QUIET)
+    assert isinstance(observer, NeuralForceObserver)
+    (values, ages), out = input_columns(), np.zeros(len(observer.outputs))
+    rear_moves = 0.0
+    for k in range(7000):
+        ahead = k >= 5000
+        if k == 5000:
+            kept, rear = observer.weights[0].copy(), observer.weights[1].copy()
+        yaw_rate = 0.3 if ahead else signals["yaw_rate"][k]
+        angle = 0.0 if ahead else signals["road_wheel_angle"][k]
+        put_inputs(values, yaw_rate, angle, source.truth["speed"][k])
+        observer.tick(values, ages, out)
+        if ahead:
+            assert np.array_equal(observer.weights[0], kept)
+            rear_moves = max(rear_moves, float(np.abs(observer.weights[1] - rear).max()))
+    record("largest change of a weight of the front force at delta = 0", float(np.ptp(observer.weights[0] - kept)), "0")
+    assert np.count_nonzero(kept) == len(kept)
+    assert rear_moves > 1.0, "the rear force goes on learning"
+
+
 @pytest.mark.acceptance("N-16")
 def test_gain_sweep(record: Callable[..., None]) -> None:
     source = drive("S1")
