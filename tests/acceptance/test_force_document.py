@@ -321,10 +321,12 @@ def test_the_printed_update_needs_what_nothing_measures(record: Callable[..., No
 
 
 @pytest.mark.acceptance("N-22")
-def test_slow_cars() -> None:
+def test_slow_cars(record: Callable[..., None]) -> None:
     """Finding F12: S2 from 1 m/s gives 5.5/13.5 N."""
     source = drive("S2", speed=1.0)
     found = observe(measured(source), QUIET)
     assert all(np.isfinite(column).all() for column in found.values())
     values = rmse(found, source, "force_front", 2.0), rmse(found, source, "force_rear", 2.0)
+    record("front RMSE of S2 from 1 m/s", values[0], "5.5 N within 10 %")
+    record("rear RMSE of S2 from 1 m/s", values[1], "13.5 N within 10 %")
     assert values == pytest.approx((5.5, 13.5), rel=0.1)

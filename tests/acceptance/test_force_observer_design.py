@@ -88,6 +88,8 @@ def test_frozen_poles_and_zero(record: Callable[..., None]) -> None:
 
 @pytest.mark.acceptance("N-4", "N-5")
 def test_gains_follow_from_the_poles(record: Callable[..., None]) -> None:
+    for name, gain, printed in zip(("L_11", "L_12"), gains()[:2], (510.0, 5000.0), strict=True):
+        record(f"{name} from poles -10, -500", gain, f"{printed:g}", id="N-4")
     assert gains() == pytest.approx((510.0, 5000.0, 150.0, 7.0 - 1.0 / 0.1))
     assert gains(poles_yaw=(-20.0, -300.0), pole_speed=-80.0, pole_steering=-30.0) == pytest.approx(
         (320.0, 6000.0, 80.0, 20.0)
@@ -111,7 +113,7 @@ def test_the_lag_counted_twice_is_wrong(record: Callable[..., None]) -> None:
 
 
 @pytest.mark.acceptance("N-7", "N-21")
-def test_regressors() -> None:
+def test_regressors(record: Callable[..., None]) -> None:
     tuning_of = {}
     for name, settings in {"default": {}, "narrow": {"width": 0.3}, "printed": {"printed_exponent": True}}.items():
         observer = create("neural_force_observer", numbers(), settings)
@@ -125,7 +127,9 @@ def test_regressors() -> None:
     for name, tuning in tuning_of.items():
         regressors(0.3, -0.4, grid, tuning, values[name])
         # 1e-9 below the root keeps an empty network from dividing by zero (3.4)
-        assert values[name] @ values[name] == pytest.approx(1.0, abs=1e-8)
+        squared = float(values[name] @ values[name])
+        record("sum of the squared regressor", squared, "1 where it is normalised", id="N-7")
+        assert squared == pytest.approx(1.0, abs=1e-8)
     for name, width, power in (("default", 1.0, 2.0), ("narrow", 0.3, 2.0), ("printed", 1.0, 1.0)):
         distance = np.linalg.norm(grid - [0.3, -0.4], axis=1)
         bare = np.exp(-(distance**power) / (2.0 * width**2))

@@ -109,8 +109,9 @@ def test_without_the_feed_through_the_loads_are_wrong(record: Callable[..., None
 
 @pytest.mark.acceptance("L-10", "L-20")
 @pytest.mark.parametrize("kappa", [-1.0, 0.5, 1.0, 2.0, 3.0])
-def test_weights(kappa: float) -> None:
+def test_weights(kappa: float, record: Callable[..., None]) -> None:
     weights = sigma_weights(kappa)
+    record("sum of the weights less 1", float(weights.sum() - 1.0), "0 within 1e-15", id="L-10")
     assert weights.sum() == pytest.approx(1.0, abs=1e-15)
     printed = kappa / (4.0 + kappa) + 8.0 * kappa / (2.0 * (4.0 + kappa))  # (23) as printed
     assert (abs(printed - 1.0) < 1e-15) == (kappa == 1.0)
@@ -169,8 +170,9 @@ def test_the_gain_settles_at_the_fixed_one(noise_set: str, steps: int, record: C
 @pytest.mark.parametrize("points", ["full", "diagonal"])
 @pytest.mark.parametrize("redraw", [True, False])
 @pytest.mark.parametrize("name", EXPERIMENTS)
-def test_all_variants_run(name: str, points: str, redraw: bool) -> None:
+def test_all_variants_run(name: str, points: str, redraw: bool, record: Callable[..., None]) -> None:
     found = observe(UKF, noisy(drive(name), 2), {"points": points, "redraw": redraw})
+    record("resets of a covariance that was no longer definite", float(found["resets"][-1]), "0")
     assert found["resets"][-1] == 0.0
     assert found["active"].min() == 1.0
 
@@ -312,12 +314,14 @@ def test_price_of_a_gyro_offset(noise_set: str, printed: tuple[float, float], re
 @pytest.mark.acceptance("L-19")
 @pytest.mark.parametrize("estimator", [UKF, KF3, KF2])
 @pytest.mark.parametrize("speed", [0.0, 1.0, 60.0])
-def test_slow_and_fast_cars(estimator: str, speed: float) -> None:
+def test_slow_and_fast_cars(estimator: str, speed: float, record: Callable[..., None]) -> None:
     measured = noisy(drive("E1"), 3)
     radius = vehicle_numbers()["wheels.fl.radius"]
     for wheel in ("fl", "fr", "rl", "rr"):
         measured[f"wheel_speed_{wheel}"] = np.full(900, speed / radius)
     found = observe(estimator, measured)
+    missing = sum(int(np.count_nonzero(~np.isfinite(column))) for column in found.values())
+    record("values that are no numbers, 0 to 60 m/s", missing, "0")
     assert all(np.isfinite(column).all() for column in found.values())
     assert found["resets"][-1] == 0.0
 
