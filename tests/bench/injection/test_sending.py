@@ -1,10 +1,12 @@
 """Frames sent by the clock: what is due when, from a log and in a cycle."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from bench.injection.sending import cyclic, replayed, send_timed
+from bench.injection import sending
+from bench.injection.sending import Timed, cyclic, replayed, send_timed
 from bench.links.frame import EXTENDED, REMOTE, new_frames, payload
 from bench.links.registry import open_link
 from signals.errors import InputError
@@ -41,6 +43,45 @@ def test_everything_is_sent_once_in_order_and_never_early() -> None:
     assert (report.frames, report.planned_s) == (50, pytest.approx(0.049))
     assert report.took_s >= 0.049 - report.max_us * 1e-6
     assert 0.0 <= report.p50_us <= report.p99_us <= report.max_us
+
+
+class SteppedClock:
+    """Time that passes in sleeping, by a quarter of a microsecond a look, and where a test says so."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def perf_counter(self) -> float:
+        self.now += 0.25e-6
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+
+
+class Deaf:
+    """A link that takes everything."""
+
+    def send(self, frames: object, count: int) -> int:
+        return count
+
+
+def test_the_clock_starts_when_the_first_frame_has_been_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What opening a log takes is no time of its frames: they would follow at once, and the whole be too short."""
+    clock = SteppedClock()
+    monkeypatch.setattr(sending, "time", clock)
+
+    def slow_to_open() -> Iterator[Timed]:
+        clock.now += 1.0
+        for number, (due, frame) in enumerate(cyclic("123#11", 0.01, 400)):
+            clock.now += 0.02 if number == 200 else 0.0  # a block of the log is unpacked: late, and nothing adds up
+            yield due, frame
+
+    report = send_timed(Deaf(), slow_to_open())  # type: ignore[arg-type]
+    assert report.planned_s == pytest.approx(3.99)
+    assert abs(report.duration_error) < 1e-3
+    assert report.p50_us < 2.0
+    assert report.max_us == pytest.approx(10_000, abs=10)
 
 
 def test_a_missing_or_strange_log_is_refused(tmp_path: Path) -> None:
