@@ -180,10 +180,17 @@ def check_estimators(scenario: "ScenarioFile", context: Context) -> dict[str, di
 
 
 def check_faults(scenario: "ScenarioFile", context: Context) -> None:
-    """Conditions and phases of the faults on the bus; adds the injector's signals to the units."""
+    """Levels, conditions and phases of the faults on the bus; adds the injector's signals to the units."""
     from bench.injection.signals import injector_signals
+    from can_fault_injector.faults.levels import at_least, realised_level
 
     context.units |= {signal.name: signal.unit for signal in injector_signals(scenario.faults)}
+    for number, fault in enumerate(scenario.faults):
+        # the most real that it can be; with hardware on a side the injector itself refuses what is less there
+        level = realised_level(type(fault.disturbance.model), real_bus=False)
+        if fault.requires is not None and not at_least(level, fault.requires):
+            problem = f"{fault.disturbance.kind} requires {fault.requires}"
+            context.add(("faults", number, "requires"), problem, found=f"here it is realised as {level}")
     if context.phases is None:
         return
     for number, fault in enumerate(scenario.faults):

@@ -11,6 +11,7 @@ from bench.scenario.locate import scenario_files
 from signals.errors import FileFaults
 from signals.yaml_files import parse_yaml, validate
 
+HAZARDS = "hazards: [{id: distance, value: stopping_distance, at_most: 60 m}]"
 SMALL = Path(__file__).parent / "small.yaml"
 
 
@@ -57,6 +58,19 @@ def test_faults_of_an_entry_have_the_place_of_the_entry_in_the_campaign(tmp_path
     assert [lines[line - 1].split(":")[0].strip() for line, _ in told] == ["stimulus", "set"]
     assert "durtion" in told[0][1]
     assert "pad_frition" in told[1][1]
+
+
+def test_a_level_that_no_run_can_have_is_refused_before_the_first_run(tmp_path: Path) -> None:
+    entry = "fault: {trigger: {id: 0x122}, disturbance: {drop: {}}, requires: bit_model}"
+    bad = tmp_path / "bad.yaml"
+    bad.write_text(f"scenario: stops/dry\nfaults:\n  - name: lost\n    {entry}\ntimes: [0.5 s]\n{HAZARDS}")
+    with pytest.raises(FileFaults) as raised:
+        read_campaign(bad)
+    (told,) = raised.value.faults
+    assert (told.line, told.problem) == (4, "requires: drop requires bit_model")
+    assert told.found == "here it is realised as frame_gateway"
+    bad.write_text(bad.read_text().replace("bit_model", "frame_gateway"))
+    read_campaign(bad)
 
 
 @pytest.mark.parametrize("name", sorted(name for name in scenario_files() if name.startswith("campaigns/")))
