@@ -42,6 +42,11 @@ _FARTHEST = 2
 _AGREEMENT_S = 0.006
 """Difference between what innovations and correlation say above which neither is believed: physics bends phases more
 than it shifts them. Correlation that is less sure than that, over gaps, is given its own standard deviation."""
+_AGREEMENT_SHARE = 0.2
+"""The same as a share of the delay: no physics shifts phases by 30 ms and more, and the two ways weigh frequencies
+differently."""
+_INNOVATION_STD_S = 0.005
+"""Standard deviation of the delay that innovations tell: half a sample, since only whole samples are tried."""
 
 
 def accepted_delays(
@@ -61,11 +66,21 @@ def accepted_delays(
         trials = _Trials(late, current, {0: score}, vehicle, replay, slopes, chosen)
         best = _best_shift(trials.score, round(late.delay_s / SAMPLE_TIME_S))
         delay_s = SAMPLE_TIME_S * _vertex(trials.score, best)
-        agrees = abs(delay_s - late.delay_s) < max(_AGREEMENT_S, late.std_s)
+        allowed_s = max(_AGREEMENT_S, late.std_s, _AGREEMENT_SHARE * abs(late.delay_s))
+        agrees = abs(delay_s - late.delay_s) < allowed_s
         if agrees and score - trials.score(best) > _MARGIN * min(1.0, samples / _MARGIN_SAMPLES):
-            accepted.append(replace(late, delay_s=delay_s))
-            current, score = trials.manoeuvres(best), trials.score(best)
+            known = _combined(late, delay_s)
+            shift = round(known.delay_s / SAMPLE_TIME_S)
+            accepted.append(known)
+            current, score = trials.manoeuvres(shift), trials.score(shift)
     return accepted, current
+
+
+def _combined(late: Late, delay_s: float) -> Late:
+    """The late set with the mean of what correlation and innovations say, weighted by their variances."""
+    weights = late.std_s**-2.0, _INNOVATION_STD_S**-2.0
+    mean = (weights[0] * late.delay_s + weights[1] * delay_s) / sum(weights)
+    return replace(late, delay_s=mean, std_s=sum(weights) ** -0.5)
 
 
 @dataclass(frozen=True)

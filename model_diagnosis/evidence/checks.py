@@ -15,7 +15,9 @@ FloatArray = NDArray[np.float64]
 
 WORST_SINGLE_MANOEUVRE = -3.0
 WORST_SHARE = 0.1
-"""A strong effect shows form errors in some manoeuvre: it may lose this share of what it gains in all together."""
+"""A strong effect shows form errors in some manoeuvre: it may lose this share of what it gains in all together. Where
+any manoeuvre alone would prove it, none of them adds to the evidence of the others, and the sum too is that of form
+errors."""
 
 EXCITED = 0.5
 """A manoeuvre excites an effect if it alone would give this expected log evidence at the size found."""
@@ -65,17 +67,20 @@ class LeaveOneOut:
     ----------
     differences : (m,) log predictive density with the effect minus without
     exciting : (m,) True where the manoeuvre excites the effect
+    complete : log Bayes factor from all manoeuvres together
     """
 
     differences: FloatArray
     exciting: NDArray[np.bool_]
+    complete: float
 
     @property
     def passed(self) -> bool:
-        """Positive in sum, and in no exciting manoeuvre below -3 and a tenth of the sum."""
+        """Positive in sum but for a tenth of all, and in no exciting manoeuvre below -3 and a tenth of the sum."""
         worst = float(np.min(self.differences[self.exciting], initial=0.0))
         gained = float(self.differences.sum())
-        return gained > 0.0 and worst >= WORST_SINGLE_MANOEUVRE - WORST_SHARE * gained
+        allowed = WORST_SHARE * max(gained, self.complete)
+        return gained > -WORST_SHARE * max(self.complete, 0.0) and worst >= WORST_SINGLE_MANOEUVRE - allowed
 
 
 def leave_one_out(
@@ -98,7 +103,7 @@ def leave_one_out(
     exciting = np.array(
         [0.5 * float(size @ part.information[np.ix_(chosen, chosen)] @ size) > EXCITED for part in parts]
     )
-    return LeaveOneOut(differences, exciting)
+    return LeaveOneOut(differences, exciting, float(complete))
 
 
 def effective_bic(cost: float, parameters: int, effective_samples: float) -> float:

@@ -165,6 +165,8 @@ class Search:
                 again = self._refit_one(stage, Candidate(hypothesis, (start, known[0].theta)))
                 fits[hypothesis] = min(known, again, key=lambda one: one[0].cost)
             self._restart(stage, fits)
+        if self._catch_up(stage, fits) and self._restart(stage, fits):
+            self._catch_up(stage, fits)
         stage.refits = [
             Refit(hypothesis, fit, self._score(stage, hypothesis, fit, parts), parts)
             for hypothesis, (fit, parts, _) in fits.items()
@@ -184,6 +186,27 @@ class Search:
         linearisation = self.problem.refreshed(stage.linearisation, best.theta, columns)
         fit = self.fit_set(chosen, linearisation, best.theta)
         return fit, self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta), columns
+
+    def _catch_up(self, stage: Stage, fits: dict[Hypothesis, tuple[Fit, list[Quadratic], list[int]]]) -> bool:
+        """Fit from the solution of "nothing more" what fits worse than that solution; True where anything did.
+
+        A hypothesis allows all that "nothing more" allows: a worse fit has ended in another minimum.
+        """
+        worse = [
+            hypothesis
+            for hypothesis, known in fits.items()
+            if hypothesis.value is None and self._cost_at_nothing_more(stage, hypothesis) < known[0].cost
+        ]
+        for hypothesis in worse:
+            again = self._refit_one(stage, Candidate(hypothesis, (stage.nothing_more.theta,)))
+            fits[hypothesis] = min(fits[hypothesis], again, key=lambda one: one[0].cost)
+        return bool(worse)
+
+    def _cost_at_nothing_more(self, stage: Stage, hypothesis: Hypothesis) -> float:
+        """Cost of a hypothesis at the solution of "nothing more", without a replay."""
+        priors, found = self.problem.priors, stage.nothing_more
+        widths = priors.widths(present_columns((*stage.accepted, hypothesis)))
+        return found.misfit + float(np.sum(((found.theta - priors.centre) / widths) ** 2))
 
     def _restart(self, stage: Stage, fits: Mapping[Hypothesis, tuple[Fit, list[Quadratic], list[int]]]) -> bool:
         """Fit "nothing more" from the winner's solution too: a better optimum found only there is no evidence.

@@ -137,3 +137,17 @@ def test_one_effect_is_not_another_car() -> None:
     search, selection = _search(car)
     wrong = compare(search.problem, selection.nothing, [selection.linearisation], [selection.fit.theta])
     assert not wrong.beats(sum(one.evidence for one in selection.accepted))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_refit_is_worse_than_nothing_more_with_the_same_freedom(seed: int) -> None:
+    """A hypothesis allows all that "nothing more" allows: its cost at that solution is a bound, in any minimum."""
+    car = LinearCar(EFFECTS, _truth(seed, c2=0.5, c7=-0.4), seed, bend=3.0, colour=0.5)
+    search, selection = _search(car)
+    priors = search.problem.priors
+    for stage in selection.stages:
+        nothing = stage.nothing_more
+        for refit in stage.refits:
+            if refit.hypothesis.value is None:
+                bound = nothing.misfit + np.sum(((nothing.theta - priors.centre) / refit.fit.widths) ** 2)
+                assert refit.fit.cost <= bound + 1e-6
