@@ -54,6 +54,7 @@ _FLOAT_STATE = (
     # reference
     *((name, 1) for name in ("reference", "previous_reference", "predicted_acceleration", "learned_acceleration")),
     *((name, 1) for name in ("bias", "anchor_speed", "anchor_age")),
+    ("late_deficit", 4),
     # pressures as the controller imagines them
     ("master_pressure", 1),
     ("pressure", 4),

@@ -10,6 +10,7 @@ from typing import Any
 from numba import njit
 
 from bench.ecu.records import TASK_S, bus_position
+from bench.ecu.slip_control import SLICK_ROAD_PA
 
 _ACCELERATION = bus_position("longitudinal_acceleration")
 FREE_PRESSURE_PA = 2e5
@@ -19,6 +20,16 @@ START_TASKS = 20
 """Tasks after power-on in which the reference is simply taken from the wheels."""
 SETTLED_LOW, SETTLED_HIGH = -16.0, 4.0
 """Acceleration of a rolling wheel where the car's own is not known well, m/s^2."""
+GAIN_TIME_S = 0.08
+"""Time over which a wheel's speed is compared with the reference: short enough for a release, long for its noise."""
+SLICK_FREE_PA, SLICK_GAIN, SLICK_TASKS = 1e5, 2.0, 20.0
+"""A wheel rolls on a slick road: pressure, gain on the car in m/s^2 (room for a faulty accelerometer or a steep road),
+and the tasks for which it must hold. A slipping wheel that turns round gains nothing either, but not as long.
+"""
+SLICK_PATIENCE = 5.0
+"""A released rear wheel needs this many times the usual time there until it rolls."""
+LEARN_AGE_S, SLICK_LEARN_AGE_S = 0.1, 0.5
+"""Shortest time between rolling wheels that says something about the accelerometer."""
 
 
 @njit(cache=True)
@@ -79,12 +90,38 @@ def _follow_wheels(calibration: Any, state: Any, target: float, slowest_fall: fl
 
 
 @njit(cache=True)
+def _is_slick(calibration: Any, state: Any, wheel: int) -> bool:
+    """Bears the road so little that a wheel turns up as slowly as a rolling one seems to?"""
+    return bool(_helped(calibration, state) and state.road_pressure[wheel] < SLICK_ROAD_PA)
+
+
+@njit(cache=True)
+def _tasks_until_credible(calibration: Any, state: Any, wheel: int) -> float:
+    """Tasks of steady rolling before a wheel's speed counts."""
+    return SLICK_TASKS if _is_slick(calibration, state, wheel) else float(calibration.reference_anchor_tasks)
+
+
+@njit(cache=True)
+def _watch_gain(state: Any) -> None:
+    """Let the late deficits follow: what a wheel lacks to the reference, and lacked a moment ago."""
+    for wheel in range(4):
+        deficit = state.reference - state.path_speed[wheel]
+        state.late_deficit[wheel] += TASK_S / (GAIN_TIME_S + TASK_S) * (deficit - state.late_deficit[wheel])
+
+
+@njit(cache=True)
 def _is_rolling(calibration: Any, state: Any, wheel: int) -> bool:
     """Has this wheel a nearly released brake and a settled speed?"""
-    rest = max(calibration.reference_anchor_pressure_ratio * state.road_pressure[wheel], FREE_PRESSURE_PA)
+    slick = _is_slick(calibration, state, wheel)
+    free = SLICK_FREE_PA if slick else FREE_PRESSURE_PA
+    rest = max(calibration.reference_anchor_pressure_ratio * state.road_pressure[wheel], free)
     acceleration = state.acceleration[wheel]
     tolerance = calibration.reference_anchor_tolerance
-    if _helped(calibration, state):
+    if slick:
+        # turning up from deep slip takes half a second there, at no more than the noise of the acceleration
+        gain = (state.late_deficit[wheel] - (state.reference - state.path_speed[wheel])) / GAIN_TIME_S
+        settled = abs(gain) < SLICK_GAIN
+    elif _helped(calibration, state):
         settled = abs(acceleration - state.predicted_acceleration) < tolerance
     else:
         settled = SETTLED_LOW < acceleration < SETTLED_HIGH
@@ -94,12 +131,20 @@ def _is_rolling(calibration: Any, state: Any, wheel: int) -> bool:
 
 
 @njit(cache=True)
-def _anchor(calibration: Any, state: Any, speed: float) -> None:
+def _shift(state: Any, change: float) -> None:
+    """Correct the reference; what wheels gain on the car does not change by that."""
+    state.reference += change
+    for wheel in range(4):
+        state.late_deficit[wheel] += change
+
+
+@njit(cache=True)
+def _anchor(calibration: Any, state: Any, speed: float, least_age: float) -> None:
     """Take the speed of a rolling wheel for the car's and learn from the difference."""
     error = speed - state.reference
-    state.reference += calibration.reference_anchor_gain * error
+    _shift(state, calibration.reference_anchor_gain * error)
     age = state.anchor_age
-    if age > 0.1:
+    if age > least_age:
         _learn_correction(calibration, state, min(max(0.3 * error / age, -0.4), 0.4))
         measured = (speed - state.anchor_speed) / age
         if age < 2.0 and -calibration.reference_largest_deceleration < measured < 1.0:
@@ -114,16 +159,19 @@ def _run_on(calibration: Any, state: Any) -> None:
     state.anchor_age += TASK_S
     fastest = _fastest(state)
     if fastest > state.reference:
-        state.reference += calibration.reference_recovery_gain * (fastest - state.reference)
+        _shift(state, calibration.reference_recovery_gain * (fastest - state.reference))
+    _watch_gain(state)
     for wheel in range(4):
         state.free_tasks[wheel] = state.free_tasks[wheel] + 1 if state.pressure[wheel] < FREE_PRESSURE_PA else 0
         if not _is_rolling(calibration, state, wheel):
             state.rolling_tasks[wheel] = 0
             continue
         state.rolling_tasks[wheel] += 1
-        if state.rolling_tasks[wheel] >= calibration.reference_anchor_tasks:
+        if state.rolling_tasks[wheel] >= _tasks_until_credible(calibration, state, wheel):
+            least_age = SLICK_LEARN_AGE_S if _is_slick(calibration, state, wheel) else LEARN_AGE_S
             share = min(state.pressure[wheel] / max(state.road_pressure[wheel], FREE_PRESSURE_PA), 1.0)
-            _anchor(calibration, state, state.path_speed[wheel] / (1.0 - calibration.reference_residual_slip * share))
+            speed = state.path_speed[wheel] / (1.0 - calibration.reference_residual_slip * share)
+            _anchor(calibration, state, speed, least_age)
 
 
 @njit(cache=True)
@@ -153,8 +201,11 @@ def choose_underbraked_wheel(calibration: Any, state: Any) -> None:
     wheel = state.underbraked_wheel
     if wheel >= 0:
         state.underbraking_tasks += 1
-        found = state.rolling_tasks[wheel] > calibration.reference_anchor_tasks
-        if found or state.underbraking_tasks * TASK_S > calibration.reference_underbraking_timeout:
+        found = state.rolling_tasks[wheel] > _tasks_until_credible(calibration, state, wheel)
+        timeout = calibration.reference_underbraking_timeout
+        if _is_slick(calibration, state, wheel):
+            timeout *= SLICK_PATIENCE
+        if found or state.underbraking_tasks * TASK_S > timeout:
             state.underbraked_wheel = -1
             state.anchor_age = min(state.anchor_age, 0.0 if found else 0.5 * state.anchor_age)
         return

@@ -15,6 +15,10 @@ from bench.ecu.records import BUILD_UP, OFF, REBUILD, RELEASE, TASK_S, WAIT
 LARGEST_DIFFERENCE = 150.0
 """Wheel against car, m/s^2: beyond this a difference is taken for measurement noise."""
 LEAST_ROAD_PRESSURE_PA = 2e5
+SLICK_ROAD_PA = 6e5
+"""What a wheel bears below a friction of about 0.1."""
+SLICK_SLIP = 1.2
+"""More slip is allowed there: the tyre's peak on ice lies further out and pulses are few."""
 FULL_TURN = 5.0
 """Lateral acceleration, m/s^2, at which the rear thresholds are reduced most."""
 FALLEN_SINCE = 1.35
@@ -61,6 +65,8 @@ def assess_wheel(calibration: Any, state: Any, wheel: int) -> None:
     offset = calibration.slip_offset[axle]
     predicted = slip_speed + calibration.slip_prediction[axle] * difference
     share = _turn_share(calibration, state, axle)
+    if state.abs_active and 0.0 < state.road_pressure[wheel] < SLICK_ROAD_PA:
+        share *= SLICK_SLIP
     release = share * calibration.slip_release[axle] * reference + offset
     entry = calibration.slip_entry[axle] * reference + 0.5 * offset
     if slip_speed > entry and difference > calibration.slip_critical_deceleration[axle]:

@@ -19,6 +19,12 @@ SURFACES: dict[str, dict[str, Any]] = {
     "ice_polished": {"surface": "ice_polished", "start_speed": 40 * KMH},
     "ice": {"surface": "set_t", "axle_friction": (0.1, 0.1), "start_speed": 50 * KMH},
 }
+SLICK: dict[str, dict[str, Any]] = {
+    **{f"ice_{mu}": {"surface": "set_t", "axle_friction": (mu, mu)} for mu in (0.05, 0.07)},
+    **{f"flat_ice_{mu}": {"surface": "ice", "axle_friction": (mu * 10, mu * 10)} for mu in (0.05, 0.07)},
+    "ice_polished_0.6": {"surface": "ice_polished", "axle_friction": (0.6, 0.6)},
+}
+"""Locked by 3 to 6 bar, where a wheel turns up from deep slip hardly faster than a rolling one seems to."""
 ONSET_S = 0.5
 
 
@@ -82,6 +88,15 @@ def test_reference_speed_without_an_ideal_signal(stop: Any, surface: str) -> Non
     # all four wheels slip nearly all the time
     assert np.mean(np.min(np.abs(trace.slip[inside]), axis=1) > 0.01) > 0.5
     assert np.max(np.abs(trace.reference - trace.speed)[inside]) < 0.6
+
+
+@pytest.mark.parametrize("calibration", ["sensitive", "coarse"])
+@pytest.mark.parametrize("surface", list(SLICK))
+def test_reference_speed_on_slick_roads(stop: Any, surface: str, calibration: str) -> None:
+    trace = stop(calibration=calibration, start_speed=40 * KMH, longest_s=40.0, **SLICK[surface]).run()
+    inside = braking(trace)
+    assert np.max(np.abs(trace.reference - trace.speed)[inside]) < 1.0
+    assert trace.longest_lock_s() <= 0.1
 
 
 @pytest.mark.parametrize("offset", [-0.5, 0.5])
