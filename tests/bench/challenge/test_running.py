@@ -89,12 +89,12 @@ def test_unknown_names_end_with_what_is_allowed(option: str, value: str, capsys:
 
 
 def test_workers_end_with_a_challenge_that_is_killed(begun: Path, tmp_path: Path) -> None:
-    script = tmp_path / "owner.py"
+    script, cases, answers = tmp_path / "owner.py", str(begun / "cases"), str(tmp_path / "answers")
     script.write_text(
         "from pathlib import Path\n"
         "from bench.challenge.answering import answer_all\n"
         "if __name__ == '__main__':\n"
-        f"    answer_all(sorted(Path({str(begun / 'cases')!r}).glob('case_*')), Path({str(tmp_path / 'answers')!r}), 2)\n"
+        f"    answer_all(sorted(Path({cases!r}).glob('case_*')), Path({answers!r}), 2)\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
     owner = subprocess.Popen([sys.executable, str(script)], env=environment)
