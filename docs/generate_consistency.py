@@ -98,14 +98,16 @@ Why these are outside:
 - **Bank, no offset.** What it tells is the spread of filters that are told 147 mG apart, up to twenty times its errors
   in single states; NIS is the weighted mean, in which the filters with a wrong offset count. NEES over all states is
   near its band all the same: three filters spread along one line, across it P is as small as that of one filter.
-- **100 mG on x.** One filter does not know that there is such an offset: P is that of a right model, and NIS comes inside
-  only because the wrong model adds what R has too much. In the bank the roll angle is inside, and every state within 1.3 of its deviation; NEES over all is not, since the errors leave the
-  line of the three filters. Weights (28) follow likelihoods averaged over 5 s, not the covariances of an estimate.
+- **100 mG on x.** One filter does not know that there is such an offset: P is that of a right model, and NIS comes
+  inside only because the wrong model adds what R has too much. In the bank the roll angle is inside, and every state
+  within 1.3 of its deviation; NEES over all is not, since the errors leave the line of the three filters. Weights (28)
+  follow likelihoods averaged over 5 s, not the covariances of an estimate.
 - **Extra state.** Straight ahead, as all rides are for 10 s, offset of G_x and pitch angle are not told apart. In most
   rides the estimate leaves within 8 s, to 1 or 2 g, on a flat road too; after 60 s the turns have brought nine of ten
-  back within 50 mG. P knows none of it and says 1.7 mG. The wheel loads add to it: the offset makes a force, the force an elevation angle, and the
-  angle comes back as input; without that loop (2A-light) 3 of 20 rides end beyond 50 mG, with it 18. The mean is that
-  of the worst rides. With 100 mG on x the offset is off by 44 mG at the end of the ride, and told within 1.9.
+  back within 50 mG. P knows none of it and says 1.7 mG. The wheel loads add to it: the offset makes a force, the force
+  an elevation angle, and the angle comes back as input; without that loop (2A-light) 3 of 20 rides end beyond 50 mG,
+  with it 18. The mean is that of the worst rides. With 100 mG on x the offset is off by 44 mG at the end of the ride,
+  and told within 1.9.
 """
 
 FORCE_REASONS = """
