@@ -9,6 +9,8 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from bench.execution.worker import initialise
+
 _THREAD_SETTINGS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -49,7 +51,9 @@ def answer_all(
     for name in _THREAD_SETTINGS:  # before the workers start: they read them at import
         os.environ.setdefault(name, "1")
     workers = min(jobs, len(missing))
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn"), max_tasks_per_child=25) as pool:
+    with ProcessPoolExecutor(
+        workers, get_context("spawn"), initializer=initialise, initargs=("",), max_tasks_per_child=25
+    ) as pool:
         futures = {pool.submit(_answer_to_file, str(case), str(answer)): case for case, answer in missing}
         for future in as_completed(futures):
             future.result()

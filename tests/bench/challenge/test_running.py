@@ -1,8 +1,13 @@
 """A run of the challenge from the generator to the figures; answers that a broken-off run left are taken over."""
 
 import json
+import os
+import subprocess
+import sys
+import time
 from pathlib import Path
 
+import psutil
 import pytest
 
 from bench.challenge import run_challenge
@@ -81,3 +86,25 @@ def test_a_table_seed_is_refused_before_anything_is_made(tmp_path: Path) -> None
 def test_unknown_names_end_with_what_is_allowed(option: str, value: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["diagnose", "challenge", "--seed", "1", "--n", "1", option, value]) == 2
     assert value in capsys.readouterr().err
+
+
+def test_workers_end_with_a_challenge_that_is_killed(begun: Path, tmp_path: Path) -> None:
+    script, cases, answers = tmp_path / "owner.py", str(begun / "cases"), str(tmp_path / "answers")
+    script.write_text(
+        "from pathlib import Path\n"
+        "from bench.challenge.answering import answer_all\n"
+        "if __name__ == '__main__':\n"
+        f"    answer_all(sorted(Path({cases!r}).glob('case_*')), Path({answers!r}), 2)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
+    owner = subprocess.Popen([sys.executable, str(script)], env=environment)
+    until = time.monotonic() + 60.0
+    workers: list[psutil.Process] = []
+    while len(workers) < 3 and time.monotonic() < until:  # two at work, and the tracker of their semaphores
+        workers = psutil.Process(owner.pid).children(recursive=True)
+        time.sleep(0.1)
+    assert len(workers) >= 3
+    owner.kill()
+    owner.wait()
+    _, alive = psutil.wait_procs(workers, timeout=30.0)
+    assert alive == []
