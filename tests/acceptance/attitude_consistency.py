@@ -93,7 +93,11 @@ def _truth(case: Case, source: Ride) -> FloatArray:
 
 def attitude_filters(cases: Collection[str] = tuple(CASES)) -> dict[str, Statistics]:
     """Statistics of cases by their names; every ride is made once for all of them."""
-    roll, nees, nis, errors, deviations = ({name: [] for name in cases} for _ in range(5))
+    roll: dict[str, list[float]] = {name: [] for name in cases}
+    nees: dict[str, list[float]] = {name: [] for name in cases}
+    nis: dict[str, list[float]] = {name: [] for name in cases}
+    errors: dict[str, list[FloatArray]] = {name: [] for name in cases}
+    deviations: dict[str, list[FloatArray]] = {name: [] for name in cases}
     for seed in range(FIRST_SEED, FIRST_SEED + RUNS):
         source = random_ride(motorcycle(), seed, seconds=SECONDS, sloped=True)
         for name in cases:
@@ -104,7 +108,7 @@ def attitude_filters(cases: Collection[str] = tuple(CASES)) -> dict[str, Statist
             names = [signal.name.partition(".")[2] for signal in filter_.outputs]
             assert np.isclose(out[names.index("roll_angle_std")] ** 2, covariance[place, place])
             roll[name].append(error[place] ** 2 / covariance[place, place])
-            nees[name].append(normalised_estimation_error(error, covariance))
+            nees[name].append(float(normalised_estimation_error(error, covariance)))
             nis[name].append(out[names.index("innovation")])
             errors[name].append(error)
             deviations[name].append(np.sqrt(np.diag(covariance)))
@@ -139,6 +143,6 @@ def innovations() -> FloatArray:
 
 def correlation(values: FloatArray, lag: int = 1) -> FloatArray:
     """Of innovations with those some steps before, over all rides, by row of the measurement; zero for white noise."""
-    return np.einsum("rsm,rsm->m", values[:, lag:], values[:, :-lag]) / np.einsum(
-        "rsm,rsm->m", values[:, lag:], values[:, lag:]
-    )
+    late, early = values[:, lag:], values[:, :-lag]
+    result: FloatArray = np.einsum("rsm,rsm->m", late, early) / np.einsum("rsm,rsm->m", late, late)
+    return result
