@@ -11,7 +11,7 @@ from force_consistency import on_the_documents_drive, where_its_noise_is_true
 
 from estimators.kalman.consistency import Consistency
 
-DIVERGED = 1000.0
+DIVERGED = 100.0
 """Statistics above it are those of rides on which a filter ran away: how far hangs on the last bit."""
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "estimators_consistency.md"
 
