@@ -45,19 +45,6 @@ body: {mass: 800 kg, wheelbase: 2.97 m, centre_of_gravity_to_front_axle: 1.724 m
 wheels: {fl: &wheel {radius: 0.3 m, unloaded_radius: 0.31 m, inertia: 1.0 kg m^2}, fr: *wheel, rl: *wheel, rr: *wheel}
 aerodynamics: {drag_coefficient: 0.9, frontal_area: 1.0 m^2}
 """
-DBC = """VERSION ""
-NS_ :
-BS_:
-BU_: X
-BO_ 36 KINEMATICS: 8 X
- SG_ YAW_RATE : 1|10@0+ (0.244,-125) [0|0] "deg/s" X
- SG_ ACCEL_X : 17|10@0+ (0.03589,-18.375) [0|0] "m/s2" X
-BO_ 170 WHEEL_SPEEDS: 8 X
- SG_ FR : 7|16@0+ (0.01,-67.67) [0|0] "km/h" X
- SG_ FL : 23|16@0+ (0.01,-67.67) [0|0] "km/h" X
- SG_ RR : 39|16@0+ (0.01,-67.67) [0|0] "km/h" X
- SG_ RL : 55|16@0+ (0.01,-67.67) [0|0] "km/h" X
-"""
 
 HEAD = """# Estimators on logs of real cars
 
@@ -99,6 +86,8 @@ class Log:
 
 def rav4(folder: Path) -> Log:
     """Frames 0x24 and 0xAA of the Toyota's CAN bus as a candump log; reference: the GNSS receiver's speed."""
+    from measured_state_logs import DBC
+
     data = np.load(DATA / "comma2k19-rav4" / "segment40.npz")
     origin = float(data["can_t"][0])
     lines = [

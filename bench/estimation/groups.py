@@ -57,6 +57,12 @@ _FRICTION = "friction document"
 _LOAD = "vertical-load document"
 _FORCE = "force document"
 _ATTITUDE = "attitude document"
+ONE_FILTERS_OWN_NOISE = {
+    "measurement_lateral_acceleration": 1.0,
+    "measurement_roll_balance": 0.03,
+    "measurement_yaw_balance": 3.0,
+}
+"""Settings of ``attitude_single`` that suit one filter best, chosen on the undisturbed slalom with seed 11."""
 _SLALOM_OFFSET = "state/attitude_slalom_offset"
 _LANE_CHANGE = "state/vertical_load_lane_change"
 _STATE = "vehicle-state document"
@@ -181,11 +187,7 @@ GROUPS: dict[str, Group] = {
             "attitude_bank_document": {"form": "car"},
             "attitude_bank_no_roll_balance": {"form": "car", "roll_balance": False},
             "attitude_single": {},
-            "attitude_single_own_noise": {
-                "measurement_lateral_acceleration": 1.0,
-                "measurement_roll_balance": 0.03,
-                "measurement_yaw_balance": 3.0,
-            },
+            "attitude_single_own_noise": ONE_FILTERS_OWN_NOISE,
             "attitude_augmented": {},
         },
         (

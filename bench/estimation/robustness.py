@@ -10,7 +10,7 @@ from bench.estimation.comparison import Score, quantity_labels, score_estimate
 from bench.estimation.groups import Case
 from bench.estimation.made_runs import make_run
 from bench.estimation.offline import Request, run_offline
-from bench.estimation.robustness_cases import Level, Perturbation, RobustnessPlan
+from bench.estimation.perturbations import Level, Perturbation, RobustnessPlan
 from bench.estimation.source import Source
 from bench.recording.arrays import RunArrays
 from bench.scenario.estimator_names import kind_of

@@ -1,75 +1,21 @@
-"""What the estimators of a group are tried on: things that are other than the estimator assumes."""
+"""What the friction group is tried on: a stop of its own car."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
-WHEELS = ("fl", "fr", "rl", "rr")
-
-
-@dataclass(frozen=True)
-class Level:
-    """One size of a perturbation.
-
-    Attributes
-    ----------
-    label : str
-        On the axis of the chart.
-    set : mapping
-        Changes of the scenario.
-    scenario, plant : str
-        In place of the group's.
-    settings : mapping
-        Changes of every estimator's settings that has the key.
-    latency_ticks, lost_frames : int, float
-        What happens to the signals between bus and estimator: delayed by so many ticks; a share of the frames of each
-        kind does not arrive.
-    """
-
-    label: str
-    set: Mapping[str, Any] = field(default_factory=dict)
-    scenario: str = ""
-    plant: str = ""
-    settings: Mapping[str, Any] = field(default_factory=dict)
-    latency_ticks: int = 0
-    lost_frames: float = 0.0
-
-
-@dataclass(frozen=True)
-class Perturbation:
-    """Something that is other than assumed, in growing sizes; the first level is as assumed."""
-
-    name: str
-    title: str
-    levels: tuple[Level, ...]
-
-
-@dataclass(frozen=True)
-class RobustnessPlan:
-    """What a group is tried on.
-
-    Attributes
-    ----------
-    scenario, set : str, mapping
-        The run and its changes that every level starts from.
-    variants : mapping
-        Estimators by their name here, with settings.
-    quantities : mapping
-        Quantities that tables and charts show: name to ``rmse`` or ``relative`` (mean error over mean of the truth).
-    """
-
-    scenario: str
-    set: Mapping[str, Any]
-    variants: Mapping[str, Mapping[str, Any]]
-    quantities: Mapping[str, str]
-    perturbations: tuple[Perturbation, ...]
-
-
-AS_ASSUMED = Level("as assumed")
-
-
-def _radius(factor: float) -> dict[str, float]:
-    return {f"wheels.{wheel}.radius": 0.278 * factor for wheel in WHEELS}
+from bench.estimation.perturbations import (
+    AS_ASSUMED,
+    GRADE,
+    LATENCY,
+    LOST_FRAMES,
+    Level,
+    Perturbation,
+    RobustnessPlan,
+    adaptive_damper,
+    mass,
+    noise,
+    offsets,
+    smaller_wheels,
+)
 
 
 def _tyres(**numbers: float) -> dict[str, float]:
@@ -86,62 +32,19 @@ def _noise(factor: float) -> dict[str, Any]:
 
 
 _FRICTION = (
-    Perturbation(
-        "mass",
-        "the car is heavier than its file says",
-        (
-            AS_ASSUMED,
-            Level("+10 %", {"body.mass": 1296 * 1.1}),
-            Level("+20 %", {"body.mass": 1296 * 1.2}),
-        ),
-    ),
-    Perturbation(
-        "wheel_radius",
-        "the wheels are smaller than the file says",
-        (AS_ASSUMED, Level("-1.5 %", _radius(0.985)), Level("-3 %", _radius(0.97))),
-    ),
-    Perturbation(
-        "grade",
-        "the road is not level",
-        (
-            Level("-5 %", {"road.grade": -0.05}),
-            AS_ASSUMED,
-            Level("+5 %", {"road.grade": 0.05}),
-        ),
-    ),
-    Perturbation(
+    mass(1296.0),
+    smaller_wheels(fl=0.278, fr=0.278, rl=0.278, rr=0.278),
+    GRADE,
+    offsets(
         "accelerometer_offset",
         "the accelerometer has an offset",
-        (
-            AS_ASSUMED,
-            Level("0.1 m/s²", {"sensors.longitudinal_acceleration.offset": 0.1}),
-            Level("0.3 m/s²", {"sensors.longitudinal_acceleration.offset": 0.3}),
-        ),
+        "sensors.longitudinal_acceleration.offset",
+        {"0.1 m/s²": 0.1, "0.3 m/s²": 0.3},
     ),
-    Perturbation(
-        "sensor_noise",
-        "the sensors are noisier",
-        (AS_ASSUMED, Level("x 2", _noise(2.0)), Level("x 5", _noise(5.0))),
-    ),
-    Perturbation(
-        "latency",
-        "the signals come later",
-        (AS_ASSUMED, Level("10 ms", latency_ticks=10), Level("20 ms", latency_ticks=20)),
-    ),
-    Perturbation(
-        "lost_frames",
-        "frames are lost",
-        (AS_ASSUMED, Level("2 %", lost_frames=0.02), Level("5 %", lost_frames=0.05)),
-    ),
-    Perturbation(
-        "adaptive_damper",
-        "the dampers are adaptive (MuJoCo car)",
-        (
-            Level("single track"),
-            Level("passive", plant="mujoco"),
-            Level("adaptive", {"suspension.adaptive.mode": 1.0}, plant="mujoco"),
-        ),
-    ),
+    noise({"x 2": _noise(2.0), "x 5": _noise(5.0)}),
+    LATENCY,
+    LOST_FRAMES,
+    adaptive_damper("single track"),
     Perturbation(
         "unknown_torque",
         "the wheel torques are not known",

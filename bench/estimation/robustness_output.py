@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bench.estimation.comparison import Score
+from bench.estimation.perturbations import RobustnessPlan
 from bench.estimation.robustness import PerturbationResult
-from bench.estimation.robustness_cases import RobustnessPlan
 from bench.report.plot_style import INK, plot_style
 
 if TYPE_CHECKING:

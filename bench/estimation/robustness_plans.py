@@ -1,28 +1,26 @@
 """What each group of estimators is tried on; the friction group's cases stand in :mod:`robustness_cases`."""
 
-from collections.abc import Mapping
 from typing import Any
 
-from bench.estimation.robustness_cases import AS_ASSUMED, FRICTION_PLAN, Level, Perturbation, RobustnessPlan
+from bench.estimation.groups import ONE_FILTERS_OWN_NOISE
+from bench.estimation.perturbations import (
+    AS_ASSUMED,
+    GRADE,
+    LATENCY,
+    LOST_FRAMES,
+    Level,
+    Perturbation,
+    RobustnessPlan,
+    adaptive_damper,
+    mass,
+    noise,
+    offsets,
+    smaller_wheels,
+)
+from bench.estimation.robustness_cases import FRICTION_PLAN
 from signals.errors import unknown_name
 
 _DEGREE = 0.017453292519943295
-
-
-def _mass(nominal: float, **others: float) -> Perturbation:
-    """The car heavier by 10 and 20 %; ``others`` are further masses, by path with two underscores for a dot."""
-    masses = {"body.mass": nominal, **{path.replace("__", "."): value for path, value in others.items()}}
-    levels = (Level(f"+{share} %", {p: m * (1 + share / 100) for p, m in masses.items()}) for share in (10, 20))
-    return Perturbation("mass", "the car is heavier than its file says", (AS_ASSUMED, *levels))
-
-
-def _offsets(name: str, title: str, path: str, sizes: Mapping[str, float]) -> Perturbation:
-    return Perturbation(name, title, (AS_ASSUMED, *(Level(label, {path: size}) for label, size in sizes.items())))
-
-
-def _noise(factors: Mapping[str, Mapping[str, float]]) -> Perturbation:
-    levels = (Level(label, dict(numbers)) for label, numbers in factors.items())
-    return Perturbation("sensor_noise", "the sensors are noisier", (AS_ASSUMED, *levels))
 
 
 def _inertial_noise(factor: float) -> dict[str, Any]:
@@ -36,36 +34,28 @@ def _inertial_noise(factor: float) -> dict[str, Any]:
     }
 
 
-_NOISE = _noise({"x 2": _inertial_noise(2.0), "x 5": _inertial_noise(5.0)})
-_LATERAL_OFFSET = _offsets(
+_NOISE = noise({"x 2": _inertial_noise(2.0), "x 5": _inertial_noise(5.0)})
+_LATERAL_OFFSET = offsets(
     "lateral_accelerometer_offset",
     "the lateral accelerometer has an offset",
     "sensors.lateral_acceleration.offset",
     {"0.1 m/s²": 0.1, "0.3 m/s²": 0.3},
 )
-_YAW_OFFSET = _offsets(
+_YAW_OFFSET = offsets(
     "yaw_gyroscope_offset",
     "the yaw gyroscope has an offset",
     "sensors.yaw_rate.offset",
     {"0.5 deg/s": 0.5 * _DEGREE, "2 deg/s": 2 * _DEGREE},
 )
-_ROLL_OFFSET = _offsets(
+_ROLL_OFFSET = offsets(
     "roll_gyroscope_offset",
     "the roll gyroscope has an offset",
     "sensors.roll_rate.offset",
     {"0.2 deg/s": 0.2 * _DEGREE, "1 deg/s": _DEGREE},
 )
-_BANK = _offsets("bank", "the road is banked", "road.bank", {"2 %": 0.02, "5 %": 0.05})
+_BANK = offsets("bank", "the road is banked", "road.bank", {"2 %": 0.02, "5 %": 0.05})
 _LESS_GRIP: dict[str, Any] = {"road.jumps": [{"time": "10 s", "friction": 0.6, "transition_time": "0.1 s"}]}
-_LATENCY = Perturbation(
-    "latency",
-    "the signals come later",
-    (AS_ASSUMED, Level("10 ms", latency_ticks=10), Level("20 ms", latency_ticks=20)),
-)
-_LOST_FRAMES = Perturbation(
-    "lost_frames", "frames are lost", (AS_ASSUMED, Level("2 %", lost_frames=0.02), Level("5 %", lost_frames=0.05))
-)
-_LINE = (_LATENCY, _LOST_FRAMES)
+_LINE = (LATENCY, LOST_FRAMES)
 
 _CENTRE_OF_GRAVITY = Perturbation(
     "centre_of_gravity_height",
@@ -87,16 +77,6 @@ _UNEQUAL_TRACKS = Perturbation(
 )
 
 
-def _smaller_wheels(**radii: float) -> Perturbation:
-    """Wheels that are smaller by 1.5 and 3 % than the given radii [m], by wheel."""
-
-    def smaller(share: float) -> dict[str, float]:
-        return {f"wheels.{wheel}.radius": radius * (1.0 - share) for wheel, radius in radii.items()}
-
-    levels = (AS_ASSUMED, Level("-1.5 %", smaller(0.015)), Level("-3 %", smaller(0.03)))
-    return Perturbation("wheel_radius", "the wheels are smaller than the file says", levels)
-
-
 def _friction_falls(second: int, where: str) -> Perturbation:
     levels = (
         Level(
@@ -108,12 +88,7 @@ def _friction_falls(second: int, where: str) -> Perturbation:
     return Perturbation("grip_jump", f"the grip falls in the {where}", (AS_ASSUMED, *levels))
 
 
-_GRADE = Perturbation(
-    "grade",
-    "the road is not level",
-    (Level("-5 %", {"road.grade": -0.05}), AS_ASSUMED, Level("+5 %", {"road.grade": 0.05})),
-)
-_LONGITUDINAL_OFFSET = _offsets(
+_LONGITUDINAL_OFFSET = offsets(
     "accelerometer_offset",
     "the longitudinal accelerometer has an offset",
     "sensors.longitudinal_acceleration.offset",
@@ -131,18 +106,10 @@ def _lateral_stiffness(front: float, rear: float) -> dict[str, float]:
 
 
 _STATE_ONLY = (
-    _smaller_wheels(fl=0.3015, fr=0.3015, rl=0.3023, rr=0.3023),
-    _GRADE,
+    smaller_wheels(fl=0.3015, fr=0.3015, rl=0.3023, rr=0.3023),
+    GRADE,
     _LONGITUDINAL_OFFSET,
-    Perturbation(
-        "adaptive_damper",
-        "the dampers are adaptive (MuJoCo car)",
-        (
-            Level("planar car"),
-            Level("passive", plant="mujoco"),
-            Level("adaptive", {"suspension.adaptive.mode": 1.0}, plant="mujoco"),
-        ),
-    ),
+    adaptive_damper("planar car"),
     Perturbation(
         "unknown_torque",
         "a stop: the brake torques are not known",
@@ -203,7 +170,7 @@ PLANS: dict[str, RobustnessPlan] = {
             "speed": "rmse",
             "road_grade": "rmse",
         },
-        (_mass(1559.0), _LATERAL_OFFSET, _YAW_OFFSET, _NOISE, *_LINE, *_STATE_ONLY),
+        (mass(1559.0), _LATERAL_OFFSET, _YAW_OFFSET, _NOISE, *_LINE, *_STATE_ONLY),
     ),
     "load": RobustnessPlan(
         "state/vertical_load_lane_change",
@@ -211,26 +178,18 @@ PLANS: dict[str, RobustnessPlan] = {
         {"vertical_load_ukf": {}, "vertical_load_kf3": {}, "vertical_load_kf2": {}, "vertical_load_static": {}},
         {"vertical_load_fl": "rmse", "vertical_load_rl": "rmse"},
         (
-            _mass(1862.0, two_track__sprung_mass=1592.0),
+            mass(1862.0, two_track__sprung_mass=1592.0),
             _CENTRE_OF_GRAVITY,
             _ROLL_OFFSET,
             _LATERAL_OFFSET,
             _NOISE,
             _UNEQUAL_TRACKS,
             *_LINE,
-            _smaller_wheels(fl=0.347, fr=0.347, rl=0.347, rr=0.347),
-            _GRADE,
+            smaller_wheels(fl=0.347, fr=0.347, rl=0.347, rr=0.347),
+            GRADE,
             _LONGITUDINAL_OFFSET,
             _friction_falls(2, "lane change"),
-            Perturbation(
-                "adaptive_damper",
-                "the dampers are adaptive (MuJoCo car)",
-                (
-                    Level("own car"),
-                    Level("passive", plant="mujoco"),
-                    Level("adaptive", {"suspension.adaptive.mode": 1.0}, plant="mujoco"),
-                ),
-            ),
+            adaptive_damper("own car"),
             Perturbation(
                 "other_car",
                 "another car, its file known (MuJoCo car)",
@@ -251,11 +210,11 @@ PLANS: dict[str, RobustnessPlan] = {
         },
         {"force_total": "rmse", "lateral_speed": "rmse"},
         (
-            _mass(700.0),
+            mass(700.0),
             _YAW_OFFSET,
             _NOISE,
             *_LINE,
-            _smaller_wheels(fl=0.27, fr=0.27, rl=0.27, rr=0.27),
+            smaller_wheels(fl=0.27, fr=0.27, rl=0.27, rr=0.27),
             Perturbation(
                 "mujoco",
                 "the MuJoCo car in place of the document's, level, on a grade, with adaptive dampers, with less grip",
@@ -275,25 +234,20 @@ PLANS: dict[str, RobustnessPlan] = {
         {
             "attitude_bank": {},
             "attitude_single": {},
-            # the noise that suits one filter best, chosen on the undisturbed slalom with seed 11
-            "attitude_single_own_noise": {
-                "measurement_lateral_acceleration": 1.0,
-                "measurement_roll_balance": 0.03,
-                "measurement_yaw_balance": 3.0,
-            },
+            "attitude_single_own_noise": ONE_FILTERS_OWN_NOISE,
             "attitude_augmented": {},
         },
         {"roll_angle": "rmse", "side_slip_angle": "rmse"},
         (
-            _mass(1296.0),
+            mass(1296.0),
             _BANK,
             _LATERAL_OFFSET,
             _ROLL_OFFSET,
             _YAW_OFFSET,
             *_LINE,
             _NOISE,
-            _smaller_wheels(fl=0.278, fr=0.278, rl=0.278, rr=0.278),
-            _GRADE,
+            smaller_wheels(fl=0.278, fr=0.278, rl=0.278, rr=0.278),
+            GRADE,
             _LONGITUDINAL_OFFSET,
             Perturbation(
                 "adaptive_damper",

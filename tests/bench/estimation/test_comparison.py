@@ -11,8 +11,8 @@ from bench.estimation.comparison import compare_group, quantity_labels, score_es
 from bench.estimation.comparison_output import text_of, write_group_comparison
 from bench.estimation.groups import GROUPS, Case, Group, group_of
 from bench.estimation.offline import Request, run_offline
+from bench.estimation.perturbations import Level, Perturbation, RobustnessPlan
 from bench.estimation.robustness import disturb, try_all
-from bench.estimation.robustness_cases import Level, Perturbation, RobustnessPlan
 from bench.estimation.robustness_output import draw, table
 from bench.estimation.robustness_plans import PLANS, plan_of
 from bench.scenario.estimator_names import kind_of

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from library_stop import driven, planned_inputs
 
-from model_diagnosis.evidence.manoeuvre_library import LIBRARY
 from model_diagnosis.evidence.whitening import rows_of
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay import Replay
@@ -16,6 +16,8 @@ from vehicle_model.vehicle_file import VehicleFile
 
 BEGIN, END = 150, 180
 """Samples of the gap."""
+
+PRESSURES = tuple(f"brake_pressure_{wheel}" for wheel in WHEELS)
 
 OPEN = 15
 """Samples of the gap in which the brake is let go, before it is taken again."""
@@ -29,26 +31,19 @@ def car() -> VehicleFile:
 @pytest.fixture(scope="module")
 def torn(car: VehicleFile) -> Manoeuvre:
     """A stop as the replay drives it, 0.3 s of it missing; the logged pressures are laid straight across them."""
-    planned = next(one for one in LIBRARY if one.name == "stop_medium")
-    time, inputs = planned.inputs("r")
-    pressures = [f"brake_pressure_{wheel}" for wheel in WHEELS]
-    true = inputs | {name: inputs[name].copy() for name in pressures}
-    for name in pressures:
+    time, inputs = planned_inputs()
+    true = inputs | {name: inputs[name].copy() for name in PRESSURES}
+    for name in PRESSURES:
         true[name][BEGIN : BEGIN + OPEN] = 0.0
-    channels = true | {"speed": np.full_like(time, planned.speed)}
-    channels |= {f"wheel_speed_{wheel}": channels["speed"] / getattr(car.wheels, wheel).radius for wheel in WHEELS}
-    blank = Manoeuvre("stop", time, channels, {name: np.ones_like(time) for name in channels}, "made for a test")
-    replay = Replay(car, [blank])
-    run = replay.free_run(np.zeros(len(replay.columns)), 0)
-    made = {name: run[:, place] for place, name in enumerate(replay.signals(0)) if name in channels}
-    logged, gap = channels | made, slice(BEGIN, END)
+    stop = driven(car, time, true)
+    logged, gap = dict(stop.channels), slice(BEGIN, END)
     for name in logged:
         logged[name] = logged[name].copy()
         logged[name][gap] = np.interp(time[gap], time[[BEGIN - 1, END]], logged[name][[BEGIN - 1, END]])
     weights = {name: np.ones_like(time) for name in logged}
     for name in logged:
         weights[name][gap] = 0.0
-    return replace(blank, channels=logged, weights=weights)
+    return replace(stop, channels=logged, weights=weights)
 
 
 def test_samples_behind_a_gap_have_no_history() -> None:

@@ -4,18 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from library_stop import SPEEDS, driven, planned_inputs
 
-from model_diagnosis.evidence.manoeuvre_library import LIBRARY
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay import Replay
-from signals.wheels import WHEELS
 from vehicle_model import load_vehicle
 from vehicle_model.vehicle_file import VehicleFile
 
 SETTLED = 200
 """Samples after which the yaw rate that a start takes from noisy wheels is forgotten."""
-
-SPEEDS = tuple(f"wheel_speed_{wheel}" for wheel in WHEELS)
 
 
 @pytest.fixture(scope="module")
@@ -25,16 +22,7 @@ def car() -> VehicleFile:
 
 @pytest.fixture(scope="module")
 def quiet(car: VehicleFile) -> Manoeuvre:
-    """A stop at 4 m/s^2 as the replay drives it, without noise."""
-    planned = next(one for one in LIBRARY if one.name == "stop_medium")
-    time, inputs = planned.inputs("r")
-    channels = inputs | {"speed": np.full_like(time, planned.speed)}
-    channels |= {f"wheel_speed_{wheel}": channels["speed"] / getattr(car.wheels, wheel).radius for wheel in WHEELS}
-    blank = Manoeuvre("stop", time, channels, {name: np.ones_like(time) for name in channels}, "made for a test")
-    replay = Replay(car, [blank])
-    run = replay.free_run(np.zeros(len(replay.columns)), 0)
-    made = {signal: run[:, place] for place, signal in enumerate(replay.signals(0)) if signal in ("speed", *SPEEDS)}
-    return replace(blank, channels=channels | made)
+    return driven(car, *planned_inputs())
 
 
 def _predicted(car: VehicleFile, drive: Manoeuvre, noise_stds: float) -> np.ndarray:
