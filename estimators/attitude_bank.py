@@ -16,6 +16,7 @@ from estimators.attitude_car import CAR_RECORD, attitude_car
 from estimators.attitude_forms import (
     ACCELEROMETER,
     B_X,
+    FORMS,
     LATERAL_SPEED,
     NONE,
     ROW_PITCH,
@@ -40,6 +41,7 @@ from estimators.attitude_memory import (
     GRAVITY,
     LARGEST_CENTRE,
     LARGEST_ROLL,
+    LEVEL_PITCH,
     LOOP,
     MINIMUM_SPEED,
     PERIOD,
@@ -272,11 +274,20 @@ def attitude_single(
 def attitude_augmented(
     vehicle: Mapping[str, float], settings: AttitudeAugmentedSettings, sample_time_s: float = 0.001
 ) -> AttitudeFilter:
-    """One filter with the virtual offset, or all accelerometers' offsets, among its states."""
+    """One filter with the virtual offset, or all accelerometers' offsets, among its states.
+
+    A two-wheeler's with pitch takes the slope of G_z by the pitch angle on the level (:func:`level_pitch`): a straight
+    ride tells that angle and the offset of G_x only together.
+    """
     form = settings.chosen
     wanted = ACCELEROMETER.values() if settings.augment == "all" else (form.virtual,)
     added = tuple(entry for entry in wanted if entry not in form.states)
     grown = replace(form, states=(*form.states, *added), virtual=NONE)
+    tilts = form.pitches and not form.car
+    if tilts and B_X in added:
+        # that of 2A is chosen to set a bank's filters apart (3.5); 2B and 2C have b_x for a state
+        grown = replace(grown, measurement=FORMS["2B"].measurement)
     built = AttitudeFilter("attitude_augmented", vehicle, settings, grown, (0.0,), sample_time_s)
     built.memory.tuning[REPORTED] = form.virtual
+    built.memory.tuning[LEVEL_PITCH] = tilts
     return built

@@ -9,8 +9,8 @@ from typing import Any
 from numba import njit
 
 from estimators.attitude_car import car_observation, car_system
-from estimators.attitude_forms import B_Y, LATERAL_SPEED, PHI, ROW_SPEED, ROWS
-from estimators.attitude_memory import ABS, CAR, LARGEST_ROLL, LOG_VOLUME, PERIOD, Memory
+from estimators.attitude_forms import B_Y, LATERAL_SPEED, PHI, ROW_SPEED, ROW_Z, ROWS, THETA
+from estimators.attitude_memory import ABS, CAR, GRAVITY, LARGEST_ROLL, LEVEL_PITCH, LOG_VOLUME, PERIOD, Memory
 from estimators.attitude_two_wheeler import two_wheeler_observation, two_wheeler_system
 from estimators.kalman.correction import correct_row
 from estimators.kalman.covariance import FloatArray, IntArray, propagate, symmetrise
@@ -111,6 +111,26 @@ def observation_slopes(
 
 
 @njit(cache=True)
+def level_pitch(x: FloatArray, entries: IntArray, gravity: float, slopes: FloatArray) -> None:
+    """Take the slope of g cos(theta) cos(phi) by the pitch angle out of G_z, as on the level, where it is zero.
+
+    Straight on no row tells the pitch angle from an offset of G_x. That slope, -g sin(theta), is the estimate and not
+    the road: where it has drifted, G_z seems to tell it, drives it further off the level and lets P shrink (Huang,
+    Mourikis, Roumeliotis 2010: linearisation must not add to what can be observed).
+
+    Parameters
+    ----------
+    gravity : float
+        [m/s^2].
+    slopes : array, shape (k, 6)
+        dh/dx of :func:`observation_slopes`, changed.
+    """
+    for column in range(entries.shape[0]):
+        if entries[column] == THETA:
+            slopes[column, ROW_Z] += gravity * math.sin(x[THETA]) * math.cos(x[PHI])
+
+
+@njit(cache=True)
 def predict_filter(x: FloatArray, covariance: FloatArray, a: Memory, bike: Any, car: Any) -> None:
     """Explicit Euler over a period with the inputs of its middle or its start; F = I + period df/dx."""
     entries, rates, slopes, period = a.entries, a.rates, a.slopes_f, a.tuning[PERIOD]
@@ -138,6 +158,8 @@ def correct_filter(x: FloatArray, covariance: FloatArray, a: Memory, bike: Any, 
     entries, rows, outputs, slopes = a.entries, a.rows, a.outputs, a.slopes_h
     of_car = a.tuning[CAR] > 0.0
     observation_slopes(x, a.inputs[0], bike, car, of_car, entries, a.steps, a.mechanics, outputs, slopes)
+    if a.tuning[LEVEL_PITCH] > 0.0:
+        level_pitch(x, entries, a.tuning[GRAVITY], slopes)
     n = entries.shape[0]
     for column in range(n):
         a.correction[column] = 0.0

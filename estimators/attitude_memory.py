@@ -58,8 +58,9 @@ STATUS = 12
     REPORTED,
     SETTLING_TICKS,
     DOCUMENT_CYCLE,
-) = range(28)
-TUNING = 28
+    LEVEL_PITCH,
+) = range(29)
+TUNING = 29
 
 
 class Memory(NamedTuple):

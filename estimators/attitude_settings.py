@@ -224,7 +224,9 @@ class AttitudeAugmentedSettings(AttitudeSettings):
     """Settings of one filter with the virtual offset as one more state, the fair reference of the bank."""
 
     augment: Literal["virtual", "all"] = Field(
-        default="virtual", description="virtual: the form's virtual offset; all: the three accelerometers' offsets"
+        default="virtual",
+        description="virtual: the form's virtual offset; all: the three accelerometers' offsets; 2A then takes the "
+        "noise of 2B, which has its states",
     )
 
 

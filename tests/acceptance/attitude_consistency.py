@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from attitude_rides import STEP as SAMPLES_PER_STEP
-from attitude_rides import FloatArray, built, delayed, motorcycle, offsets
+from attitude_rides import FloatArray, built, delayed, motorcycle, noise, offsets
 
 from estimators.attitude_bank import AttitudeFilter
 from estimators.attitude_forms import B_X, ENTRIES, PHI, SPEED, THETA
@@ -44,10 +44,14 @@ MEASURED_NOISE = {
     "measurement_roll_balance": 0.03,
 }
 """What white noise of the sensors leaves behind their low-pass, in place of the form's 0.1."""
+OF_THE_BANK = noise(0.1, 0.1, 0.1, 0.1)
+"""R of form 2A; the filter with the extra state has that of 2B as shipped."""
 FILTERS = {f"`{name}`": Case(name) for name in ("attitude_bank", "attitude_single", "attitude_augmented")}
 CASES = {
     **FILTERS,
     **{f"{label}, 100 mG on x": Case(case.name, 100.0) for label, case in FILTERS.items()},
+    "`attitude_augmented`, R of the bank": Case("attitude_augmented", settings=OF_THE_BANK),
+    "`attitude_augmented`, R of the bank, 100 mG on x": Case("attitude_augmented", 100.0, OF_THE_BANK),
     "`attitude_single`, sensors without noise": Case("attitude_single", noise=Noise(0.0, 0.0, 0.0)),
     "`attitude_single`, R of the sensors": Case("attitude_single", settings=MEASURED_NOISE),
 }
