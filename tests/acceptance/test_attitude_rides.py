@@ -1,4 +1,4 @@
-"""Acceptance list of the attitude document (its section 8), items 42 to 54 and 57: behaviour on rides with fresh seeds.
+"""Acceptance list of the attitude document (its section 8), items 42 to 50, 52 to 54 and 57: rides with fresh seeds.
 
 The set-up is that of its 7.1, the cycle that of its 3.6. Settings are the document's; nothing was tuned on these seeds.
 Every comparison states three references: one filter with the bank's noise, one with its own best noise (chosen on
@@ -59,13 +59,10 @@ class Verdict:
     slope: float
     elevation: float
     offsets: Mapping[str, float]
-    late: Mapping[str, float]
-    """Offsets 58 to 62 s after the onset."""
 
 
 def _verdict(found: Estimate) -> Verdict:
     names = (*GYROS, *ACCELEROMETERS)
-    around = ONSET_S + 58.0, ONSET_S + 62.0
     return Verdict(
         found.error("roll_angle"),
         found.error("pitch_angle"),
@@ -73,7 +70,6 @@ def _verdict(found: Estimate) -> Verdict:
         found.error("road_slope"),
         found.error("elevation_angle"),
         {name: found.mean(name) for name in names},
-        {name: found.mean(name, *around) for name in names},
     )
 
 
@@ -223,23 +219,6 @@ def test_example_4(record: Callable[..., None]) -> None:
     assert errors["1C"] > errors["2A"]
 
 
-@pytest.mark.acceptance("B-51")
-@pytest.mark.parametrize(
-    ("form", "wrong"),
-    [("2A", wrong) for wrong in ("roll=1", "pitch=1", "yaw=1", "z=100")]
-    + [("2C", wrong) for wrong in ("roll=1", "pitch=1", "yaw=1", "x=100")],
-)
-def test_other_offsets_return(form: str, wrong: str, record: Callable[..., None]) -> None:
-    axes = {"x": "longitudinal", "z": "vertical"}
-    key = wrong.partition("=")[0]
-    own = f"{axes[key]}_acceleration_offset" if key in axes else f"{key}_rate_offset"
-    bank = judged(form, wrong)
-    for names, limit, unit in ((GYROS, 0.1, "degree/s"), (ACCELEROMETERS, 10.0, "mG")):
-        worst = max(abs(float(np.mean([verdict.late[name] for verdict in bank]))) for name in names if name != own)
-        record(f"largest other offset after 60 s, {form}, {unit}", worst, f"< {limit:g} {unit}")
-        assert worst < limit
-
-
 @pytest.mark.acceptance("B-52")
 def test_slope(record: Callable[..., None]) -> None:
     closed = mean(judged("2A"), "slope")
@@ -337,11 +316,14 @@ def test_three_references(
             "one filter, own R": judged(form, on, ONE, **{**settings, **own}),
             "extra state": judged(form, on, EXTRA, **settings),
         }
+        if form == "2A":
+            # as shipped it takes the noise of 2B, which has the same states
+            rows["extra state, bank's R"] = judged(form, on, EXTRA, **noise(0.1, 0.1, 0.1, 0.1))
         for name, verdicts in rows.items():
             record(f"{form}, {label}, {name}: RMSE of roll", mean(verdicts, "roll"), "reported, degrees")
             if form.startswith("2"):
                 record(f"{form}, {label}, {name}: RMSE of pitch", mean(verdicts, "pitch"), "reported, degrees")
-            if name in ("bank", "extra state"):
+            if name == "bank" or name.startswith("extra"):
                 record(f"{form}, {label}, {name}: offset", mean(verdicts, "virtual"), "reported, mG")
         assert all(np.isfinite(mean(verdicts, "roll")) for verdicts in rows.values())
     assert not set(SEEDS) & {1, 2, 3, 4}, "seeds of the settings"
