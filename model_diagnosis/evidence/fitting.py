@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 MAXIMUM_STEPS = 12
 HALVINGS = 4
 COST_TOLERANCE = 0.1
-"""A step that lowers the cost (twice the negative log posterior) by less ends a fit."""
+"""A step that lowers the cost (twice the negative log posterior) by less, or promises less, ends a fit."""
 
 
 @dataclass(frozen=True)
@@ -158,6 +158,8 @@ class Problem:
             for matrix, row in zip(linearisation.matrices, rows, strict=True):
                 gradient += matrix.T @ (huber_weights(row) * row) / self.whitener.temperature
             step = self._step(curvature, gradient, theta, fixed)
+            if float(gradient @ step) < COST_TOLERANCE:
+                break
             found = self._shorten(theta, step * self.scale, cost, widths)
             if found is None:
                 break

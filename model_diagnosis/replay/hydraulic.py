@@ -1,8 +1,9 @@
 """Pressures as the vehicle's booster and hydraulic unit make them from the pedal, the valves and the pump."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -36,6 +37,7 @@ _THRESHOLD = "hydraulics.pressure_change_threshold"
 _EVERY_CHANGE_PA = 1e3
 _PUMP_SAMPLES = 50
 _VALVES = ("inlet", "outlet")
+_UNITS_KEPT = 64
 
 HYDRAULIC_COLUMNS: Mapping[str, EffectParameter] = {
     column: parameter
@@ -43,6 +45,13 @@ HYDRAULIC_COLUMNS: Mapping[str, EffectParameter] = {
     for column, parameter in zip(effect.columns, effect.parameters, strict=True)
 }
 """Columns that act before the wheel brakes."""
+
+_PATHS: Mapping[str, tuple[str, ...]] = {
+    column: tuple(one.path for one in PARAMETERS if fnmatchcase(one.path, parameter.vehicle_path))
+    for column, parameter in HYDRAULIC_COLUMNS.items()
+    if parameter.vehicle_path
+}
+"""Numbers of the vehicle that each of them changes."""
 
 
 def acts_on_pressures(column: str) -> bool:
@@ -115,7 +124,9 @@ class HydraulicReplay:
 
     def __init__(self, vehicle: VehicleFile) -> None:
         numbers = vehicle.numbers("brakes") | vehicle.numbers("hydraulics")
-        self._values = {parameter.path: numbers.get(parameter.path, parameter.default) for parameter in PARAMETERS}
+        given = {parameter.path: numbers.get(parameter.path, parameter.default) for parameter in PARAMETERS}
+        self._values = {path: float(value) for path, value in given.items() if value is not None}
+        self._units = lru_cache(maxsize=_UNITS_KEPT)(self._make_units)
         self.flows = False
         self._booster_gain = vehicle.brakes.booster_gain
         self._knee = numbers.get("brakes.booster_knee_pressure", _KNEE_PA)
@@ -156,19 +167,16 @@ class HydraulicReplay:
         least : (n, 4) least gains; zeros if left out
         """
         master = log.master if log.master is not None else self.master(deviations, log)
-        values = self._changed(deviations)
         volume = deviations.get("brake_knock_back.volume", 0.0)
         throttled = deviations.get("form_return.lag", 0.0)
         least = np.zeros_like(valid) if least is None else least
         return_kept = float(np.exp(-STEP_S / throttled)) if throttled > 0.0 else 0.0
+        changes = tuple((column, value) for column, value in deviations.items() if column in _PATHS)
         total = np.zeros((len(master), 4))
         out = np.empty_like(total)
         # dead times of valves that nobody switches say nothing: one run instead of four
         switched = bool(log.inlet.any() or log.outlet.any())
-        for share, delays in _whole_delays(values) if switched else [(1.0, {})]:
-            record = np.zeros(1, PARAMETER_RECORD)
-            fill_record(values | delays, record)
-            record[0]["logic"][:] = LOGICS["abs"]().table.reshape(-1)
+        for share, record in self._units(changes, switched, self.flows):
             hydraulic_run(
                 record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump, log.wheel_speed,
                 log.cornering, measured, valid, volume, return_kept, gain, least, _DEAD_BAND * noise, out,
@@ -176,17 +184,29 @@ class HydraulicReplay:
             total += share * out
         return total
 
-    def _changed(self, deviations: Mapping[str, float]) -> dict[str, float]:
-        values = {path: float(value) for path, value in self._values.items() if value is not None}
-        for column, deviation in deviations.items():
-            parameter = HYDRAULIC_COLUMNS.get(column)
-            if parameter is None or not parameter.vehicle_path:
-                continue
-            for path in values:
-                if fnmatchcase(path, parameter.vehicle_path):
-                    changed = values[path] * (1.0 + deviation) if parameter.relative else values[path] + deviation
-                    values[path] = max(changed, 0.0)
-        if self.flows:
+    def _make_units(
+        self, changes: tuple[tuple[str, float], ...], switched: bool, flows: bool
+    ) -> list[tuple[float, NDArray[np.void]]]:
+        """Units with these deviations and the share of each in the pressures; manoeuvres take the same ones."""
+        values = self._changed(changes, flows)
+        units = []
+        for share, delays in _whole_delays(values) if switched else [(1.0, {})]:
+            record = np.zeros(1, PARAMETER_RECORD)
+            fill_record(values | delays, record)
+            record[0]["logic"][:] = LOGICS["abs"]().table.reshape(-1)
+            units.append((share, record))
+        return units
+
+    def _changed(self, changes: Sequence[tuple[str, float]], flows: bool) -> dict[str, float]:
+        values = dict(self._values)
+        for column, deviation in changes:
+            for path in _PATHS[column]:
+                if path not in values:
+                    continue
+                relative = HYDRAULIC_COLUMNS[column].relative
+                changed = values[path] * (1.0 + deviation) if relative else values[path] + deviation
+                values[path] = max(changed, 0.0)
+        if flows:
             values[_THRESHOLD] = min(values[_THRESHOLD], _EVERY_CHANGE_PA)
         return values
 
@@ -219,10 +239,8 @@ def reported_pressure(deviations: Mapping[str, float], true: FloatArray) -> Floa
     lag = deviations.get("pressure_sensor_lag.time_constant", 0.0)
     reported = true
     if lag > 0.0:
-        reported = true.copy()
         share = SAMPLE_TIME_S / (lag + SAMPLE_TIME_S)
-        for k in range(1, len(reported)):
-            reported[k] = reported[k - 1] + share * (true[k] - reported[k - 1])
+        reported, _ = lfilter([share], [1.0, share - 1.0], true, axis=0, zi=(1.0 - share) * true[:1])
     scale = deviations.get("pressure_sensor_scale.wheels", 0.0)
     offset = deviations.get("pressure_sensor_offset.wheels", 0.0)
     return reported if scale == 0.0 and offset == 0.0 else reported * (1.0 + scale) + offset
