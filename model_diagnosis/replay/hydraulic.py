@@ -186,11 +186,11 @@ class HydraulicReplay:
 
     def _make_units(
         self, changes: tuple[tuple[str, float], ...], switched: bool, flows: bool
-    ) -> list[tuple[float, NDArray[np.void]]]:
-        """Units with these deviations and the share of each in the pressures; manoeuvres take the same ones."""
+    ) -> list[tuple[FloatArray, NDArray[np.void]]]:
+        """Units with these deviations and the share (4,) of each in the pressures; manoeuvres take the same ones."""
         values = self._changed(changes, flows)
         units = []
-        for share, delays in _whole_delays(values) if switched else [(1.0, {})]:
+        for share, delays in _whole_delays(values) if switched else [(np.ones(4), {})]:
             record = np.zeros(1, PARAMETER_RECORD)
             fill_record(values | delays, record)
             record[0]["logic"][:] = LOGICS["abs"]().table.reshape(-1)
@@ -204,8 +204,9 @@ class HydraulicReplay:
                 if path not in values:
                     continue
                 relative = HYDRAULIC_COLUMNS[column].relative
-                changed = values[path] * (1.0 + deviation) if relative else values[path] + deviation
-                values[path] = max(changed, 0.0)
+                values[path] = values[path] * (1.0 + deviation) if relative else values[path] + deviation
+        for path in {path for column, _ in changes for path in _PATHS[column] if path in values}:
+            values[path] = max(values[path], 0.0)  # of two deviations that act on one number only the sum is limited
         if flows:
             values[_THRESHOLD] = min(values[_THRESHOLD], _EVERY_CHANGE_PA)
         return values
@@ -218,19 +219,21 @@ def _lagged(values: FloatArray, time_constant: float) -> FloatArray:
     return np.asarray(lagged, dtype=np.float64)
 
 
-def _whole_delays(values: Mapping[str, float]) -> list[tuple[float, dict[str, float]]]:
-    """The unit's dead times are whole milliseconds: shares of the runs between which the pressures are blended."""
+def _whole_delays(values: Mapping[str, float]) -> list[tuple[FloatArray, dict[str, float]]]:
+    """The unit's dead times are whole milliseconds: shares (4,) of the runs between which the pressures are blended."""
     ways = []
     for valve in _VALVES:
-        steps = values[f"hydraulics.{valve}_delay_{WHEELS[0]}"] / STEP_S
+        steps = np.array([values[f"hydraulics.{valve}_delay_{wheel}"] for wheel in WHEELS]) / STEP_S
         whole = np.floor(steps + 1e-9)
-        part = steps - whole
-        ways.append([(1.0 - part, whole), (part, whole + 1.0)] if part > 1e-9 else [(1.0, whole)])
+        part = np.maximum(steps - whole, 0.0)
+        ways.append([(1.0 - part, whole), (part, whole + 1.0)] if part.max() > 1e-9 else [(np.ones(4), whole)])
     runs = []
     for (inlet_share, inlet), (outlet_share, outlet) in product(*ways):
-        delays = {f"hydraulics.inlet_delay_{wheel}": inlet * STEP_S for wheel in WHEELS}
-        delays |= {f"hydraulics.outlet_delay_{wheel}": outlet * STEP_S for wheel in WHEELS}
-        runs.append((float(inlet_share * outlet_share), delays))
+        delays: dict[str, float] = {}
+        for i, wheel in enumerate(WHEELS):
+            delays[f"hydraulics.inlet_delay_{wheel}"] = float(inlet[i]) * STEP_S
+            delays[f"hydraulics.outlet_delay_{wheel}"] = float(outlet[i]) * STEP_S
+        runs.append((inlet_share * outlet_share, delays))
     return runs
 
 
