@@ -19,7 +19,7 @@ from model_diagnosis.effects.form import FORM_HYDRAULICS_EFFECTS
 from model_diagnosis.effects.hydraulics import HYDRAULICS_EFFECTS
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.hydraulic_run import hydraulic_run
-from model_diagnosis.replay.smoothing import without_noise
+from model_diagnosis.replay.smoothing import pressure_without_noise
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -110,7 +110,7 @@ def read_hydraulics(manoeuvre: Manoeuvre) -> HydraulicLog | None:
 
 def _driving(channels: Mapping[str, FloatArray], name: str) -> FloatArray | None:
     """Channel as an input, without its sensor's noise: a brake that lets fluid back fast follows its lowest values."""
-    return without_noise(channels[name]) if name in channels else None
+    return pressure_without_noise(channels[name]) if name in channels else None
 
 
 class HydraulicReplay:
