@@ -63,9 +63,12 @@ def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = No
     problem = Problem(replay, priors, whitener)
     at_saturated = problem.linearise(saturated.theta)
     at_nothing = problem.linearise(nothing.theta, raw)
+    # both were fitted with the whitening before: what this one still finds in them is no form error
+    nothing = problem.fit(at_nothing, priors.nuisance, nothing.theta)
+    saturated = problem.fit(at_saturated, priors.saturated(), saturated.theta)
     # a form error that garbage collectors took out of the saturated residual is still there without them; one true
     # effect raises the scores of few columns, and the temperature is their median
-    heat = max(_temperature(problem, at_saturated), _temperature(problem, at_nothing))
+    heat = max(_temperature(problem, at_saturated, saturated), _temperature(problem, at_nothing, nothing))
     problem = replace(problem, whitener=replace(whitener, temperature=heat))
     at_saturated = _cooled(at_saturated, problem)
     nothing = problem.fit(_cooled(at_nothing, problem), priors.nuisance, nothing.theta)
@@ -85,8 +88,8 @@ def _saturated_from_two_starts(
     return fits[best], whiteners[best]
 
 
-def _temperature(problem: Problem, linearisation: Linearisation) -> float:
-    return temperature(problem.rows(linearisation.theta), linearisation.matrices, problem.whitener.blocks())
+def _temperature(problem: Problem, linearisation: Linearisation, fit: Fit) -> float:
+    return temperature(problem.rows(fit.theta), linearisation.matrices, problem.whitener.blocks())
 
 
 def _cooled(linearisation: Linearisation, problem: Problem) -> Linearisation:
