@@ -183,14 +183,24 @@ class Search:
         fit = self.fit_set(chosen, linearisation, refit.fit.theta)
         without = self.fit_set(stage.accepted, linearisation, fit.theta)
         without = min(without, self.fit_set(stage.accepted, stage.linearisation, without.theta), key=_cost)
-        if without.cost < stage.nothing_more.cost:
+        lowered = without.cost < stage.nothing_more.cost
+        if lowered:
             stage.nothing_more = without
         if refit.hypothesis.value is None and self._cost_at_nothing_more(stage, refit.hypothesis) < fit.cost:
             fit = min(fit, self.fit_set(chosen, linearisation, stage.nothing_more.theta), key=_cost)
         parts = self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta)
         again = Refit(refit.hypothesis, fit, self._score(stage, refit.hypothesis, fit, parts), parts)
-        stage.refits[stage.refits.index(refit)] = again
+        others = (self._followed(stage, one, linearisation) if lowered else one for one in stage.refits)
+        stage.refits = [again if one.hypothesis == again.hypothesis else one for one in others]
         return again, linearisation
+
+    def _followed(self, stage: Stage, refit: Refit, linearisation: Linearisation) -> Refit:
+        """A refit after "nothing more" has found a lower minimum: from there where it is above it, scored anew."""
+        fit, parts = refit.fit, refit.parts
+        if refit.hypothesis.value is None and self._cost_at_nothing_more(stage, refit.hypothesis) < fit.cost:
+            fit = self.fit_set((*stage.accepted, refit.hypothesis), linearisation, stage.nothing_more.theta)
+            parts = self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta)
+        return Refit(refit.hypothesis, fit, self._score(stage, refit.hypothesis, fit, parts), parts)
 
     def fit_set(self, chosen: Sequence[Hypothesis], linearisation: Linearisation, start: FloatArray) -> Fit:
         """Fit with these hypotheses present, from ``start``."""
