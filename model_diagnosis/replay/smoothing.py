@@ -22,7 +22,7 @@ _LEAST_PRESSURE = 0.5
 """Share of the noise below which a pressure is none: three deviations of the mean over the widest window."""
 
 _LARGEST_MEDIAN = 1.0
-"""Share of the noise that its median over the widest window stays below: 4.6 deviations of such a median, 2.9 at ends."""
+"""Share of the noise that its median over the widest window stays below: 4.6 deviations of it, 2.9 at ends."""
 
 _LARGEST_PEAK = 4.5
 """Standard deviations that white noise stays below in a drive."""
