@@ -33,10 +33,11 @@ HEADS = {
         "cornering",
         "cornering-stiffness method",
         "Every run is `friction/e2_double_lane_change_33` (33 km/h, lanes\n"
-        "3.5 m apart, car of Table 4 on the MuJoCo plant), with one thing other than the method assumes. Slopes are the\n"
-        "smallest of the run while the window spans its slip angles; an alarm (`limit_reached`) is a slope of 0 and\n"
-        "less. The car is at its limit nowhere but in the tables of less grip, so that alarms elsewhere are false.\n"
-        "Beside the shipped span of 1 deg stands the 2 deg with which the document's criterion A16 is met on this car.\n"
+        "3.5 m apart, car of Table 4 on the MuJoCo plant), with one thing other than the method assumes. Slopes are\n"
+        "the smallest of the run while the window spans its slip angles; an alarm (`limit_reached`) is a slope of 0\n"
+        "and less. Side friction stays below half of the limit but in the tables of less grip, so that alarms\n"
+        "elsewhere are false. Both variants know the body's lean (`roll_gradient`). Beside the shipped span of 1 deg\n"
+        "stands the 2 deg with which the document's criterion A16 is met on this car.\n"
         "Not tried: torques and the ABS, of which the method hears nothing and which are not in the run.",
     ),
     "state": _head(
@@ -292,4 +293,11 @@ _ATTITUDE = {
     ),
 }
 
-REASONS = {"friction": _FRICTION, "cornering": _CORNERING, "state": _STATE, "load": _LOAD, "force": _FORCE, "attitude": _ATTITUDE}
+REASONS = {
+    "friction": _FRICTION,
+    "cornering": _CORNERING,
+    "state": _STATE,
+    "load": _LOAD,
+    "force": _FORCE,
+    "attitude": _ATTITUDE,
+}

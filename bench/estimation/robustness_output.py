@@ -101,7 +101,9 @@ def _panel(axis: "Axes", plan: RobustnessPlan, result: PerturbationResult, quant
             axis.plot(range(len(labels)), values, "o-", color=colour, markersize=4)
     axis.set_xticks(range(len(labels)), labels)
     axis.set_xlim(-0.3, len(labels) - 0.7)
-    axis.set_ylabel(_heading(result, quantity, kind).replace("friction", "fr.") + (" in %" if kind in _IN_PERCENT else ""))
+    axis.set_ylabel(
+        _heading(result, quantity, kind).replace("friction", "fr.") + (" in %" if kind in _IN_PERCENT else "")
+    )
     if kind == "rmse":
         axis.set_ylim(bottom=0.0)
     else:
