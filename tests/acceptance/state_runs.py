@@ -5,6 +5,7 @@ then adds its own white noise to every new sample, where the sensor model adds i
 """
 
 import json
+import math
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
@@ -25,6 +26,8 @@ NOISE = {"longitudinal_acceleration": 0.05, "lateral_acceleration": 0.1, "yaw_ra
 WHEEL_NOISE = {f"wheel_speed_{wheel}": 0.02 for wheel in WHEELS}
 """rad/s, C.1 and AC-50; on top of the tone rings' own errors."""
 ALL_NOISE = {**NOISE, **WHEEL_NOISE}
+LAUNCH_NOISE = {name: noise / math.sqrt(5.0) for name, noise in WHEEL_NOISE.items()}
+"""C.1 as it was made: 0.02 rad/s in every step of 1 ms, nothing else; a frame of 5 ms tells the mean of five such."""
 TUNING_SEEDS = range(20)
 """Seeds with which the observers' own settings (source "assumed") were chosen; none of them judges."""
 SEEDS = range(9000, 9020)

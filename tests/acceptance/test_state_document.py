@@ -17,7 +17,19 @@ from typing import Any
 import numpy as np
 import pytest
 from state_consistency import lateral_filter
-from state_runs import ALL_NOISE, NOISE, SEEDS, TUNING_SEEDS, WHEELS, Drive, Replay, drive, forget_drives, rmse_percent
+from state_runs import (
+    ALL_NOISE,
+    LAUNCH_NOISE,
+    NOISE,
+    SEEDS,
+    TUNING_SEEDS,
+    WHEELS,
+    Drive,
+    Replay,
+    drive,
+    forget_drives,
+    rmse_percent,
+)
 
 from signals.catalogue import block_slice, index_of
 from vehicle_model.reference.planar_stops import abs_study, mean_percentages
@@ -168,23 +180,68 @@ def test_lateral_fits(surface: str, record: Callable[..., None]) -> None:
     assert np.mean(every > 0.765) < 0.01
 
 
-@pytest.mark.acceptance("V-35", "V-55")
-@pytest.mark.parametrize("surface", ["ice", "icy_snow"])
-def test_longitudinal_fits(surface: str, record: Callable[..., None]) -> None:
+STIFFNESS = {"ice": 58.0, "icy_snow": 38.0}
+"""B of the document for its two launches (2.4 [E])."""
+
+
+def longitudinal_fits(surface: str, settings: dict[str, Any], noise: dict[str, float]) -> list[dict[str, Any]]:
+    """Longitudinal fits of all seeds, each with the share of the true peak and the relative error of D."""
     run = drive(f"state/launch_{surface}")
-    events = [e for s in SEEDS for e in launch(surface, s).estimator.events() if e["direction"] == "longitudinal"]
-    shares = np.array([true_share(run, event) for event in events])
-    quality = np.array([event["r_squared"] for event in events])
-    record(f"{surface}: share of the true peak, median", float(np.median(shares)), "0.71 ... 0.80")
-    record(f"{surface}: R^2, smallest", float(quality.min()), ">= 0.90")
-    limits = [abs(e["limit"] / run[f"friction_limit_{e['wheel']}"][1000] - 1.0) for e in events]
-    record(f"{surface}: median error of D %", 100.0 * float(np.median(limits)), "reported")
-    inside = float(np.mean((shares >= 0.71) & (shares <= 0.80)))
-    record(f"{surface}: part of the fits within it", inside, "reported: noise of 0.02 rad/s")
-    assert len(events) == 2 * len(SEEDS)  # both driven wheels, once each
-    assert quality.min() >= 0.90
-    assert np.median(limits) < 0.10
-    assert 0.71 <= np.median(shares) <= 0.80
+    found = []
+    for seed in SEEDS:
+        fits = Replay(run, "magic_formula_fit", settings, seed=seed, noise=noise).estimator.events()
+        for event in (event for event in fits if event["direction"] == "longitudinal"):
+            error = event["limit"] / run[f"friction_limit_{event['wheel']}"][1000] - 1.0
+            found.append({**event, "true_share": true_share(run, event), "error": error})
+    return found
+
+
+def within(fits: list[dict[str, Any]]) -> float:
+    """Part of the fits at 71 to 80 % of the true peak."""
+    return float(np.mean([0.71 <= event["true_share"] <= 0.80 for event in fits]))
+
+
+@pytest.mark.acceptance("V-35", "V-33", "V-55")
+@pytest.mark.parametrize("surface", STIFFNESS)
+def test_longitudinal_fits_at_the_threshold_of_the_surface(surface: str, record: Callable[..., None]) -> None:
+    """Thresholds set by hand for each surface, as in the document, at 0.63/B (3.4): every fit, with all our noise."""
+    settings = {"fit.threshold": "fixed", "fit.threshold_longitudinal": 0.63 / STIFFNESS[surface]}
+    fits = longitudinal_fits(surface, settings, ALL_NOISE)
+    shares, quality = ([event[key] for event in fits] for key in ("true_share", "r_squared"))
+    record(f"{surface}: threshold by hand, share of the true peak, smallest", min(shares), ">= 0.71", id="V-35")
+    record(f"{surface}: threshold by hand, share of the true peak, largest", max(shares), "<= 0.80", id="V-35")
+    record(f"{surface}: threshold by hand, R^2, smallest", min(quality), ">= 0.90", id="V-35")
+    record(f"{surface}: threshold by hand, part of the fits within", within(fits), "1", id="V-35")
+    assert len(fits) == 2 * len(SEEDS)  # both driven wheels, once each
+    assert min(quality) >= 0.90
+    assert within(fits) == 1.0
+
+
+@pytest.mark.acceptance("V-35", "V-55")
+@pytest.mark.parametrize("surface", STIFFNESS)
+def test_longitudinal_fits(surface: str, record: Callable[..., None]) -> None:
+    """Automatic threshold: single fits with the noise of the document's own launch (C.1), medians also with ours.
+
+    The rule asks the fit's own B, and noise moves B more than it moves the crossing of a slip: five times the noise
+    power and a gyroscope's spread B by a tenth (C.3 has D as uncertain at these shares), which is what leaves 71-80 %.
+    """
+    for name, noise in (("", ALL_NOISE), ("noise of C.1, ", LAUNCH_NOISE)):
+        fits = longitudinal_fits(surface, {}, noise)
+        shares, quality = (np.array([event[key] for event in fits]) for key in ("true_share", "r_squared"))
+        errors = np.abs([event["error"] for event in fits])
+        judged = noise is LAUNCH_NOISE
+        record(f"{surface}: {name}share of the true peak, median", float(np.median(shares)), "0.71 ... 0.80")
+        record(f"{surface}: {name}R^2, smallest", float(quality.min()), ">= 0.90")
+        record(f"{surface}: {name}median error of D %", 100.0 * float(np.median(errors)), "reported")
+        limit = ">= 0.95" if judged else "reported: five times the noise power of C.1"
+        record(f"{surface}: {name}part of the fits within it", within(fits), limit)
+        spread = 100.0 * float(np.std([event["stiffness"] for event in fits])) / STIFFNESS[surface]
+        record(f"{surface}: {name}spread of B %", spread, "reported")
+        assert len(fits) == 2 * len(SEEDS)  # both driven wheels, once each
+        assert quality.min() >= 0.90
+        assert np.median(errors) < 0.10
+        assert 0.71 <= np.median(shares) <= 0.80
+        assert not judged or within(fits) >= 0.95
 
 
 @pytest.mark.acceptance("V-35")
