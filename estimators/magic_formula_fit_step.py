@@ -28,7 +28,7 @@ def forget_curve(curve: Any, t: Any, direction: int) -> None:
     curve.b, curve.d = t.initial_b, 0.0
     curve.threshold = curve.start = t.start_threshold[direction]
     curve.known_b, curve.now, curve.reach, curve.early = 0.0, 0.0, 0.0, 0
-    curve.next_try, curve.pending, curve.handed_over = 0.0, 0, 0
+    curve.next_try, curve.asked, curve.pending, curve.handed_over = 0.0, 0.0, 0, 0
     curve.attained, curve.objective, curve.r_squared, curve.share, curve.points = 0.0, 0.0, 0.0, 0.0, 0
 
 
@@ -60,6 +60,20 @@ def _wanted_reach(b: float, direction: int, t: Any) -> float:
     """Slip that the data of a curve have to reach, threshold_times_b / B within its bounds."""
     wanted = t.threshold_times_b[direction] / b
     return min(max(wanted, t.low_threshold[direction]), t.high_threshold[direction])
+
+
+@njit(cache=True)
+def _was_asked_for(curve: Any, x: float, wanted: float, direction: int) -> bool:
+    """Whether the slip is beyond what the fit before this one asked for; notes what this one asks for.
+
+    The document's threshold is that of the previous fit (3.4). A launch has one half-wave, so that the previous fit is
+    the one that was refused a little earlier: a single soft or stiff curve in the noise decides nothing. Lateral curves
+    have those of earlier half-waves (``known_b``, ``start``).
+    """
+    if direction == 0:
+        return True
+    asked, curve.asked = curve.asked, wanted
+    return 0.0 < asked <= x
 
 
 @njit(cache=True)
@@ -150,7 +164,7 @@ def conclude_fit(
         return
     if t.automatic[direction] == 1:
         wanted = _wanted_reach(b, direction, t)
-        reached = x >= _TOLERANCE[direction] * wanted
+        reached = x >= _TOLERANCE[direction] * wanted and _was_asked_for(curve, x, wanted, direction)
         if not reached and not _peak_may_be_near(curve, x_row, mu_row, count, objective, x, direction, scratch, t):
             curve.provisional += 1
             return
@@ -206,7 +220,7 @@ def observe_pair(
     sign = 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
     if sign != curve.sign and sign != 0.0:
         curve.count, curve.sign, curve.stride, curve.skipped, curve.next_try = 0, sign, 1, 0, 0.0
-        curve.pending = 0
+        curve.pending, curve.asked = 0, 0.0
         if curve.mode == CURVED:
             curve.mode = LINEAR
     reach = abs(x) if direction == 0 else now

@@ -104,6 +104,7 @@ CURVE_RECORD = np.dtype(
         ("known_b", "f8"),
         ("now", "f8"),
         ("reach", "f8"),
+        ("asked", "f8"),
         ("early", "i8"),
         ("next_try", "f8"),
         ("count", "i8"),
