@@ -13,7 +13,7 @@ from bench.report.plot_style import INK, plot_style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_COLOURS = ("#0b62c4", "#c2410c", "#0f7b4f", "#9333a8", "#515b6a", "#be185d")
+_COLOURS = ("#0b62c4", "#c2410c", "#0f7b4f", "#9333a8", "#515b6a", "#be185d", "#b45309")
 _NO_UNIT = "1"
 _WORDS = {"rmse": "RMSE", "relative": "mean error", "share": "share of the run", "smallest": "smallest"}
 _IN_PERCENT = ("relative", "share")
