@@ -370,7 +370,7 @@ CORNERING = """### Cornering-stiffness method
 The same log, shipped settings. On this motorway no window spans a degree of slip angle, so that the method has nothing
 to say of slopes, and says so (`slope_..._confidence` 0, no alarm). Its side-slip angle is off by more than the car has:
 that is the lateral accelerometer, which feels lean and bank of the road (0.18 m/s² off the reference), while the offset
-of the gyroscope is forgotten with the 2 s of `side_slip_time_constant`. The last two rows take the reference to mend the
+of the gyroscope is forgotten with the 2 s of `side_slip_time_constant`. Two rows take the reference to mend the
 signals, and are no result but the proof."""
 REFUSED = """### What the logs lack
 
