@@ -152,8 +152,10 @@ def _filter_step(
     axle_torques(guard, tuning[BRAKE_GAIN_F], tuning[BRAKE_GAIN_R], tuning[BRAKE_IS_CAPACITY] > 0.0, torques)
     front, rear = axle_speeds(guard)
     teeth, window = tuning[TEETH], tuning[WINDOW]
-    stale_f = is_lingering(front, teeth, window, tuning[RADIUS_F] * front, state[SPEED])
-    stale_r = is_lingering(rear, teeth, window, tuning[RADIUS_R] * rear, state[SPEED])
+    # a speed that is not to be trusted tells of no deep slip either: rolling wheels would be taken for locking ones
+    speed = 0.0 if memory[_STATUS, _DISTRUSTED] > 0.0 else state[SPEED]
+    stale_f = is_lingering(front, teeth, window, tuning[RADIUS_F] * front, speed)
+    stale_r = is_lingering(rear, teeth, window, tuning[RADIUS_R] * rear, speed)
     stopped_f, stopped_r = predict(state, torques, tuning[SAMPLE_TIME], tuning, predicted, transition)
     # where neither wheel speed tells its axle's force, only the sum of both is observed
     locked = (stopped_f or stale_f) and (stopped_r or stale_r)

@@ -182,6 +182,17 @@ def _rms(values) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
+def test_a_speed_that_is_not_trusted_takes_no_wheel_for_a_locking_one():
+    """The body pitches into the accelerometer: the speed comes out at twice the true one, forces keep A14's 10 %."""
+    source = make_run("stops/dry", plant="mujoco")
+    (estimate,) = run_offline(source, TABLE_8, [Request("force_ekf", "force_ekf", {})])
+    true = source.data.array("speed")
+    slow = (true > 5.0) & (true < 8.0) & (source.data.array("driver_master_pressure") > 0)
+    assert (estimate.output("speed")[slow] > 2.0 * true[slow]).all()
+    for error in axle_errors(source, estimate, slow):
+        assert _rms(error) <= 0.1 * MASS * GRAVITY / 2.0
+
+
 @pytest.mark.acceptance("F-17")
 def test_rolling_wheels_bound_the_speed_where_asked(record):
     """``speed_bound: wheels``: a car 20 % heavier; the speed is off by the slip of an ABS stop, not by half."""
