@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from model_diagnosis.data.sample_values import fresh_values
 from model_diagnosis.data.samples import BoolArray, FloatArray, Samples
@@ -13,6 +14,12 @@ from signals.measured.measured_log import is_stepped
 _FAST_PERIOD_S = 1.5 * SAMPLE_TIME_S
 _FINE_PERIOD_S = 0.5 * SAMPLE_TIME_S
 _SHORT_COVER = 0.5
+
+_STEADY_SPREAD = 0.2
+"""Jitter over period up to which stamps are those of a cyclic sender."""
+_STEADY_SAMPLES = 51
+_EARLY_SHARE = 0.2
+"""Share of a cyclic sender's period by which a command may be stamped late and still hold at a sample."""
 
 
 def on_grid(
@@ -44,6 +51,7 @@ def on_grid(
     weights: dict[str, FloatArray] = {}
     for name, channel in usable.items():
         stamps, numbers = fresh_values(channel)
+        stamps = steady_stamps(stamps)
         values[name] = _values(name, stamps, numbers, time)
         weights[name] = _weights(stamps, channel.period_s(), time, stepped=is_stepped(name))
     return time, values, weights
@@ -72,9 +80,30 @@ def _span(channel: Samples) -> FloatArray:
     return known[[0, -1]]
 
 
+def steady_stamps(stamps: FloatArray) -> FloatArray:
+    """Stamps (n,) [s] of a cyclic sender without their jitter; those of any other as they are.
+
+    Values are taken in a cyclic task, stamps are set when the frame has won its bus and reached the logger. Each stamp
+    becomes a whole number of periods behind the first one, plus the running median of what that leaves: clocks drift.
+    """
+    steps = np.diff(stamps)
+    if len(steps) < _STEADY_SAMPLES:
+        return stamps
+    period = float(np.median(steps))
+    regular = steps[steps < 1.5 * period]
+    spread = 0.7413 * float(np.subtract(*np.percentile(regular, [75, 25])))
+    if not 0.0 < spread < _STEADY_SPREAD * period:
+        return stamps
+    nominal = period * np.concatenate(([0.0], np.cumsum(np.round(steps / period))))
+    steady = nominal + median_filter(stamps - nominal, _STEADY_SAMPLES, mode="nearest")
+    # frames that a logger stored late in one burst would fall on each other
+    return steady if np.all(np.diff(steady) > 0.0) else stamps
+
+
 def _values(name: str, stamps: FloatArray, numbers: FloatArray, time: FloatArray) -> FloatArray:
     if is_stepped(name):
-        row = np.searchsorted(stamps, time + 1e-6, side="right") - 1
+        late = _EARLY_SHARE * float(np.median(np.diff(stamps)))
+        row = np.searchsorted(stamps, time + min(late, _EARLY_SHARE * SAMPLE_TIME_S), side="right") - 1
         held: FloatArray = numbers[np.maximum(row, 0)]
         return held
     interpolated = np.interp(time, stamps, numbers)

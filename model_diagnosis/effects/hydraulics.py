@@ -26,11 +26,14 @@ def _conductance(valve: str) -> tuple[EffectParameter, ...]:
 
 
 def _delay(valve: str) -> tuple[EffectParameter, ...]:
-    """A dead time; commands logged every 10 ms leave it open by 10 ms / sqrt(12)."""
+    """A dead time of all valves, and of one beside the others.
+
+    Commands logged every 10 ms leave the first open by 10 ms / sqrt(12), the others not: they come in one frame.
+    """
+    path = f"hydraulics.{valve}_delay"
     return (
-        EffectParameter(
-            "delay", "s", -0.02, 0.03, 3e-3, 0.01, f"hydraulics.{valve}_delay_*", relative=False, never_negative=True
-        ),
+        EffectParameter("delay", "s", -0.02, 0.03, 3e-3, 0.01, f"{path}_*", relative=False, never_negative=True),
+        *(EffectParameter(wheel, "s", -0.02, 0.03, 5e-4, 0.01, f"{path}_{wheel}", relative=False) for wheel in WHEELS),
     )
 
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
 
 from signals.wheels import WHEELS
 
@@ -189,15 +190,16 @@ def _true_pressures(inputs: dict[str, FloatArray], deviations: Mapping[str, floa
     lag = deviations.get("pressure_sensor_lag.time_constant", 0.0)
     if scale == 1.0 and offset == 0.0 and lag == 0.0:
         return
-    for wheel in WHEELS:
-        reported = inputs.get(f"brake_pressure_{wheel}")
-        if reported is not None:
-            leading = reported + (lag * _slope(reported, step) if lag != 0.0 else 0.0)
-            inputs[f"brake_pressure_{wheel}"] = np.maximum((leading - offset) / scale, 0.0)
+    names = [name for wheel in WHEELS if (name := f"brake_pressure_{wheel}") in inputs]
+    if not names:
+        return
+    reported = np.stack([inputs[name] for name in names])
+    leading = reported + lag * _slope(reported, step) if lag != 0.0 else reported
+    inputs.update(zip(names, np.maximum((leading - offset) / scale, 0.0), strict=True))
 
 
 def _slope(values: FloatArray, step: float) -> FloatArray:
+    """Derivative (c, n) of smoothed rows."""
     window = max(3, round(_SMOOTHING_S / step) | 1)
-    smooth = np.convolve(np.pad(values, window // 2, mode="edge"), np.full(window, 1.0 / window), "valid")
-    slope: FloatArray = np.gradient(smooth, step)
+    slope: FloatArray = np.gradient(uniform_filter1d(values, window, axis=1, mode="nearest"), step, axis=1)
     return slope

@@ -17,6 +17,10 @@ from model_diagnosis.evidence.whitening import Whitener, fit_whitener, sensor_wh
 FloatArray = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 
+CONVERGING_SWEEPS = 3
+CONVERGED = 1.0
+"""Cost by which fresh sensitivities must lower a fit for others to be taken."""
+
 
 @dataclass(frozen=True)
 class Base:
@@ -63,16 +67,34 @@ def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = No
     problem = Problem(replay, priors, whitener)
     at_saturated = problem.linearise(saturated.theta)
     at_nothing = problem.linearise(nothing.theta, raw)
+    # both were fitted with the whitening before: what this one still finds in them is no form error
+    nothing = problem.fit(at_nothing, priors.nuisance, nothing.theta)
+    saturated = problem.fit(at_saturated, priors.saturated(), saturated.theta)
     # a form error that garbage collectors took out of the saturated residual is still there without them; one true
     # effect raises the scores of few columns, and the temperature is their median
-    heat = max(_temperature(problem, at_saturated), _temperature(problem, at_nothing))
+    heat = max(_temperature(problem, at_saturated, saturated), _temperature(problem, at_nothing, nothing))
     problem = replace(problem, whitener=replace(whitener, temperature=heat))
     at_saturated = _cooled(at_saturated, problem)
-    nothing = problem.fit(_cooled(at_nothing, problem), priors.nuisance, nothing.theta)
+    nothing, at_nothing = _converged(problem, _cooled(at_nothing, problem), nothing)
     saturated = problem.fit(at_saturated, priors.saturated(), saturated.theta)
     tell("base", 1.0)
-    at_neutral, at_nothing = problem.linearise(neutral, at_file), problem.linearise(nothing.theta, raw)
+    at_neutral = problem.linearise(neutral, at_file)
     return Base(problem, nothing, saturated, at_neutral, at_nothing, at_saturated)
+
+
+def _converged(problem: Problem, chord: Linearisation, start: Fit) -> tuple[Fit, Linearisation]:
+    """Fit of "nothing" with sensitivities taken anew until they gain no more, and the last ones.
+
+    Every effect is weighed against it: what it is short of its minimum would be evidence for the first that goes on.
+    """
+    fit = problem.fit(chord, start.widths, start.theta)
+    for _ in range(CONVERGING_SWEEPS):
+        chord = problem.linearise(fit.theta)
+        better = problem.fit(chord, start.widths, fit.theta)
+        gained, fit = fit.cost - better.cost, better
+        if gained < CONVERGED:
+            break
+    return fit, chord
 
 
 def _saturated_from_two_starts(
@@ -85,8 +107,8 @@ def _saturated_from_two_starts(
     return fits[best], whiteners[best]
 
 
-def _temperature(problem: Problem, linearisation: Linearisation) -> float:
-    return temperature(problem.rows(linearisation.theta), linearisation.matrices, problem.whitener.blocks())
+def _temperature(problem: Problem, linearisation: Linearisation, fit: Fit) -> float:
+    return temperature(problem.rows(fit.theta), linearisation.matrices, problem.whitener.blocks())
 
 
 def _cooled(linearisation: Linearisation, problem: Problem) -> Linearisation:

@@ -19,9 +19,12 @@ from model_diagnosis.evidence.whitening import Whitener, huber_loss, huber_weigh
 FloatArray = NDArray[np.float64]
 
 MAXIMUM_STEPS = 12
-HALVINGS = 4
+SHORTENINGS = 3
+SHORTEST, LONGEST = 0.1, 0.6
+"""Least and largest share of a step that did not lower the cost, tried next."""
+
 COST_TOLERANCE = 0.1
-"""A step that lowers the cost (twice the negative log posterior) by less ends a fit."""
+"""A step that lowers the cost (twice the negative log posterior) by less, or promises less, ends a fit."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +150,7 @@ class Problem:
         fixed: Sequence[int] = (),
         steps: int = MAXIMUM_STEPS,
     ) -> Fit:
-        """Minimise the cost from ``start`` with chord steps, halving, and bounds kept by clipping."""
+        """Minimise the cost from ``start`` with chord steps, shortened where needed, and bounds kept by clipping."""
         theta = np.clip(start, self.priors.low, self.priors.high)
         precision = (widths / self.scale) ** -2.0
         curvature = linearisation.information + np.diag(precision)
@@ -158,7 +161,10 @@ class Problem:
             for matrix, row in zip(linearisation.matrices, rows, strict=True):
                 gradient += matrix.T @ (huber_weights(row) * row) / self.whitener.temperature
             step = self._step(curvature, gradient, theta, fixed)
-            found = self._shorten(theta, step * self.scale, cost, widths)
+            promised = float(gradient @ step)
+            if promised < COST_TOLERANCE:
+                break
+            found = self._shorten(theta, step * self.scale, cost, widths, promised)
             if found is None:
                 break
             gained = cost - found[2]
@@ -183,13 +189,21 @@ class Problem:
         return step
 
     def _shorten(
-        self, theta: FloatArray, step: FloatArray, cost: float, widths: FloatArray
+        self, theta: FloatArray, step: FloatArray, cost: float, widths: FloatArray, promised: float
     ) -> tuple[FloatArray, list[FloatArray], float] | None:
-        """First of the halved steps that lowers the cost; None where none does."""
-        for halving in range(HALVINGS + 1):
-            trial = np.clip(theta + step * 0.5**halving, self.priors.low, self.priors.high)
+        """First of ever shorter steps that lowers the cost; None where none does.
+
+        ``promised`` is what the whole step would gain on a parabola; the next length is the lowest point of the one
+        through the cost, its slope and what the last length gave.
+        """
+        share = 1.0
+        for _ in range(SHORTENINGS + 1):
+            trial = np.clip(theta + step * share, self.priors.low, self.priors.high)
             rows = self.rows(trial)
             trial_cost = self.cost(rows, trial, widths)
             if np.isfinite(trial_cost) and trial_cost < cost:
                 return trial, rows, trial_cost
+            rise = trial_cost - cost + 2.0 * share * promised
+            lowest = share * promised / rise if np.isfinite(rise) and rise > 0.0 else SHORTEST
+            share *= min(max(lowest, SHORTEST), LONGEST)
         return None

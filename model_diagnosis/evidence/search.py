@@ -165,15 +165,42 @@ class Search:
                 again = self._refit_one(stage, Candidate(hypothesis, (start, known[0].theta)))
                 fits[hypothesis] = min(known, again, key=lambda one: one[0].cost)
             self._restart(stage, fits)
-        # beside an accepted effect what is left is small: there the deepest minimum of columns that the data hardly
-        # tell is that of the noise that came through the observer, and a surplus cause
-        if not stage.accepted and self._catch_up(stage, fits) and self._restart(stage, fits):
+        if self._catch_up(stage, fits) and self._restart(stage, fits):
             self._catch_up(stage, fits)
         stage.refits = [
             Refit(hypothesis, fit, self._score(stage, hypothesis, fit, parts), parts)
             for hypothesis, (fit, parts, _) in fits.items()
         ]
         return stage
+
+    def polished(self, stage: Stage, refit: Refit) -> tuple[Refit, Linearisation]:
+        """A refit with all sensitivities taken anew at it, against "nothing more" fitted from there by the same ones.
+
+        A fit by chords can stop some units of cost short of its minimum, which would be evidence for whoever goes on.
+        """
+        chosen = (*stage.accepted, refit.hypothesis)
+        linearisation = self.problem.linearise(refit.fit.theta)
+        fit = self.fit_set(chosen, linearisation, refit.fit.theta)
+        without = self.fit_set(stage.accepted, linearisation, fit.theta)
+        without = min(without, self.fit_set(stage.accepted, stage.linearisation, without.theta), key=_cost)
+        lowered = without.cost < stage.nothing_more.cost
+        if lowered:
+            stage.nothing_more = without
+        if refit.hypothesis.value is None and self._cost_at_nothing_more(stage, refit.hypothesis) < fit.cost:
+            fit = min(fit, self.fit_set(chosen, linearisation, stage.nothing_more.theta), key=_cost)
+        parts = self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta)
+        again = Refit(refit.hypothesis, fit, self._score(stage, refit.hypothesis, fit, parts), parts)
+        others = (self._followed(stage, one, linearisation) if lowered else one for one in stage.refits)
+        stage.refits = [again if one.hypothesis == again.hypothesis else one for one in others]
+        return again, linearisation
+
+    def _followed(self, stage: Stage, refit: Refit, linearisation: Linearisation) -> Refit:
+        """A refit after "nothing more" has found a lower minimum: from there where it is above it, scored anew."""
+        fit, parts = refit.fit, refit.parts
+        if refit.hypothesis.value is None and self._cost_at_nothing_more(stage, refit.hypothesis) < fit.cost:
+            fit = self.fit_set((*stage.accepted, refit.hypothesis), linearisation, stage.nothing_more.theta)
+            parts = self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta)
+        return Refit(refit.hypothesis, fit, self._score(stage, refit.hypothesis, fit, parts), parts)
 
     def fit_set(self, chosen: Sequence[Hypothesis], linearisation: Linearisation, start: FloatArray) -> Fit:
         """Fit with these hypotheses present, from ``start``."""

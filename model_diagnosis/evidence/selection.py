@@ -82,16 +82,17 @@ class Selector:
             stage = self.search.stage(chosen, fit, linearisation)
             stage = self.search.refit(stage, self.search.candidates(stage, saturated if step == 0 else None))
             stages.append(stage)
+            found = self._acceptable(stage)
             if step == 0:
                 nothing = stage.nothing_more
             fit, linearisation = stage.nothing_more, stage.linearisation
-            best = self._acceptable(stage)
             left = stage.best.evidence if stage.best else -np.inf
-            if best is None or step == MAXIMUM_EFFECTS:
+            if found is None or step == MAXIMUM_EFFECTS:
                 break
+            best, linearisation = found
+            fit = best.fit
             chosen = [*chosen, best.hypothesis]
             self.decisions.append(f"accepted {self.name(best.hypothesis)}, log Bayes factor {best.evidence:.1f}")
-            fit, linearisation = self._polish(best.fit)
             if len(chosen) > 1:
                 chosen, fit, linearisation = self._drop_and_swap(chosen, fit, linearisation, stages)
         accepted = [self._judged(chosen, hypothesis, fit, linearisation, nothing) for hypothesis in chosen]
@@ -103,11 +104,18 @@ class Selector:
         columns = [self.problem.replay.columns[column] for column in hypothesis.columns]
         return columns[0] if len(columns) == 1 and len(effect.parameters) > 1 else effect.name
 
-    def _acceptable(self, stage: Stage) -> Refit | None:
-        """Best refit that passes threshold, BIC_eff and the held-out check."""
-        for refit in sorted(stage.refits, key=lambda one: -one.evidence):
-            if refit.evidence <= self.needed:
+    def _acceptable(self, stage: Stage) -> tuple[Refit, Linearisation] | None:
+        """Best refit that passes threshold, BIC_eff and the held-out check, and the sensitivities at it."""
+        for rough in sorted(stage.refits, key=lambda one: -one.evidence):
+            if rough.evidence <= self.needed:
                 return None
+            refit, linearisation = self.search.polished(stage, rough)
+            if refit.evidence <= self.needed:
+                self.decisions.append(
+                    f"refused {self.name(refit.hypothesis)}: {refit.evidence:.1f} is left of {rough.evidence:.1f} once "
+                    "both fits have converged"
+                )
+                continue
             if self._bic_change(refit.fit, stage.nothing_more, refit.hypothesis) >= 0.0:
                 self.decisions.append(f"refused {self.name(refit.hypothesis)}: BIC_eff does not fall")
                 continue
@@ -123,7 +131,7 @@ class Selector:
                     f"(sum {check.differences.sum():.1f}, worst {check.differences.min():.1f})"
                 )
                 continue
-            return refit
+            return refit, linearisation
         return None
 
     def _polish(self, fit: Fit) -> tuple[Fit, Linearisation]:

@@ -92,11 +92,12 @@ def change_of(vehicle: VehicleFile, effect: Effect, deviations: Mapping[str, flo
     if law is not None:
         parameters, terms = law(vehicle, present)
         return CarChange(parameters, tuple(terms))
-    parameters = {}
+    parameters: dict[str, float] = {}
     for parameter in effect.parameters:
         if parameter.name in present:
-            parameters |= _by_path(vehicle, effect, parameter, present[parameter.name])
-    return CarChange(parameters)
+            parameters |= _by_path(vehicle, effect, parameter, present[parameter.name], parameters)
+    limited = {path: _within_limits(vehicle, path, value) for path, value in parameters.items()}
+    return CarChange(limited)
 
 
 def _conditions(effect: Effect, present: Mapping[str, float]) -> dict[str, str]:
@@ -107,7 +108,14 @@ def _conditions(effect: Effect, present: Mapping[str, float]) -> dict[str, str]:
     }
 
 
-def _by_path(vehicle: VehicleFile, effect: Effect, parameter: EffectParameter, deviation: float) -> dict[str, float]:
+def _by_path(
+    vehicle: VehicleFile,
+    effect: Effect,
+    parameter: EffectParameter,
+    deviation: float,
+    changed: Mapping[str, float],
+) -> dict[str, float]:
+    """Values by path; ``changed`` are those that the effect's other parameters have made already."""
     pattern = parameter.vehicle_path
     numbers = vehicle.numbers(pattern.partition(".")[0]) if pattern else {}
     paths = [path for path in numbers if fnmatchcase(path, pattern)]
@@ -117,11 +125,10 @@ def _by_path(vehicle: VehicleFile, effect: Effect, parameter: EffectParameter, d
             allowed=pattern or "an effect that the plant knows",
             mend="its tyres follow another formula" if pattern.startswith("tyres.") else "",
         )
+    before = {path: changed.get(path, numbers[path]) for path in paths}
     if parameter.relative:
-        values = {path: numbers[path] * (1.0 + deviation) for path in paths}
-    else:
-        values = {path: numbers[path] + deviation for path in paths}
-    return {path: _within_limits(vehicle, path, value) for path, value in values.items()}
+        return {path: value * (1.0 + deviation) for path, value in before.items()}
+    return {path: value + deviation for path, value in before.items()}
 
 
 def _within_limits(vehicle: VehicleFile, path: str, value: float) -> float:

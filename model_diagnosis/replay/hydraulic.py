@@ -1,8 +1,9 @@
 """Pressures as the vehicle's booster and hydraulic unit make them from the pedal, the valves and the pump."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -18,7 +19,7 @@ from model_diagnosis.effects.form import FORM_HYDRAULICS_EFFECTS
 from model_diagnosis.effects.hydraulics import HYDRAULICS_EFFECTS
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.hydraulic_run import hydraulic_run
-from model_diagnosis.replay.smoothing import without_noise
+from model_diagnosis.replay.smoothing import pressure_without_noise
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -36,6 +37,7 @@ _THRESHOLD = "hydraulics.pressure_change_threshold"
 _EVERY_CHANGE_PA = 1e3
 _PUMP_SAMPLES = 50
 _VALVES = ("inlet", "outlet")
+_UNITS_KEPT = 64
 
 HYDRAULIC_COLUMNS: Mapping[str, EffectParameter] = {
     column: parameter
@@ -43,6 +45,13 @@ HYDRAULIC_COLUMNS: Mapping[str, EffectParameter] = {
     for column, parameter in zip(effect.columns, effect.parameters, strict=True)
 }
 """Columns that act before the wheel brakes."""
+
+_PATHS: Mapping[str, tuple[str, ...]] = {
+    column: tuple(one.path for one in PARAMETERS if fnmatchcase(one.path, parameter.vehicle_path))
+    for column, parameter in HYDRAULIC_COLUMNS.items()
+    if parameter.vehicle_path
+}
+"""Numbers of the vehicle that each of them changes."""
 
 
 def acts_on_pressures(column: str) -> bool:
@@ -101,7 +110,7 @@ def read_hydraulics(manoeuvre: Manoeuvre) -> HydraulicLog | None:
 
 def _driving(channels: Mapping[str, FloatArray], name: str) -> FloatArray | None:
     """Channel as an input, without its sensor's noise: a brake that lets fluid back fast follows its lowest values."""
-    return without_noise(channels[name]) if name in channels else None
+    return pressure_without_noise(channels[name]) if name in channels else None
 
 
 class HydraulicReplay:
@@ -115,7 +124,9 @@ class HydraulicReplay:
 
     def __init__(self, vehicle: VehicleFile) -> None:
         numbers = vehicle.numbers("brakes") | vehicle.numbers("hydraulics")
-        self._values = {parameter.path: numbers.get(parameter.path, parameter.default) for parameter in PARAMETERS}
+        given = {parameter.path: numbers.get(parameter.path, parameter.default) for parameter in PARAMETERS}
+        self._values = {path: float(value) for path, value in given.items() if value is not None}
+        self._units = lru_cache(maxsize=_UNITS_KEPT)(self._make_units)
         self.flows = False
         self._booster_gain = vehicle.brakes.booster_gain
         self._knee = numbers.get("brakes.booster_knee_pressure", _KNEE_PA)
@@ -156,19 +167,16 @@ class HydraulicReplay:
         least : (n, 4) least gains; zeros if left out
         """
         master = log.master if log.master is not None else self.master(deviations, log)
-        values = self._changed(deviations)
         volume = deviations.get("brake_knock_back.volume", 0.0)
         throttled = deviations.get("form_return.lag", 0.0)
         least = np.zeros_like(valid) if least is None else least
         return_kept = float(np.exp(-STEP_S / throttled)) if throttled > 0.0 else 0.0
+        changes = tuple((column, value) for column, value in deviations.items() if column in _PATHS)
         total = np.zeros((len(master), 4))
         out = np.empty_like(total)
         # dead times of valves that nobody switches say nothing: one run instead of four
         switched = bool(log.inlet.any() or log.outlet.any())
-        for share, delays in _whole_delays(values) if switched else [(1.0, {})]:
-            record = np.zeros(1, PARAMETER_RECORD)
-            fill_record(values | delays, record)
-            record[0]["logic"][:] = LOGICS["abs"]().table.reshape(-1)
+        for share, record in self._units(changes, switched, self.flows):
             hydraulic_run(
                 record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump, log.wheel_speed,
                 log.cornering, measured, valid, volume, return_kept, gain, least, _DEAD_BAND * noise, out,
@@ -176,17 +184,30 @@ class HydraulicReplay:
             total += share * out
         return total
 
-    def _changed(self, deviations: Mapping[str, float]) -> dict[str, float]:
-        values = {path: float(value) for path, value in self._values.items() if value is not None}
-        for column, deviation in deviations.items():
-            parameter = HYDRAULIC_COLUMNS.get(column)
-            if parameter is None or not parameter.vehicle_path:
-                continue
-            for path in values:
-                if fnmatchcase(path, parameter.vehicle_path):
-                    changed = values[path] * (1.0 + deviation) if parameter.relative else values[path] + deviation
-                    values[path] = max(changed, 0.0)
-        if self.flows:
+    def _make_units(
+        self, changes: tuple[tuple[str, float], ...], switched: bool, flows: bool
+    ) -> list[tuple[FloatArray, NDArray[np.void]]]:
+        """Units with these deviations and the share (4,) of each in the pressures; manoeuvres take the same ones."""
+        values = self._changed(changes, flows)
+        units = []
+        for share, delays in _whole_delays(values) if switched else [(np.ones(4), {})]:
+            record = np.zeros(1, PARAMETER_RECORD)
+            fill_record(values | delays, record)
+            record[0]["logic"][:] = LOGICS["abs"]().table.reshape(-1)
+            units.append((share, record))
+        return units
+
+    def _changed(self, changes: Sequence[tuple[str, float]], flows: bool) -> dict[str, float]:
+        values = dict(self._values)
+        for column, deviation in changes:
+            for path in _PATHS[column]:
+                if path not in values:
+                    continue
+                relative = HYDRAULIC_COLUMNS[column].relative
+                values[path] = values[path] * (1.0 + deviation) if relative else values[path] + deviation
+        for path in {path for column, _ in changes for path in _PATHS[column] if path in values}:
+            values[path] = max(values[path], 0.0)  # of two deviations that act on one number only the sum is limited
+        if flows:
             values[_THRESHOLD] = min(values[_THRESHOLD], _EVERY_CHANGE_PA)
         return values
 
@@ -198,19 +219,21 @@ def _lagged(values: FloatArray, time_constant: float) -> FloatArray:
     return np.asarray(lagged, dtype=np.float64)
 
 
-def _whole_delays(values: Mapping[str, float]) -> list[tuple[float, dict[str, float]]]:
-    """The unit's dead times are whole milliseconds: shares of the runs between which the pressures are blended."""
+def _whole_delays(values: Mapping[str, float]) -> list[tuple[FloatArray, dict[str, float]]]:
+    """The unit's dead times are whole milliseconds: shares (4,) of the runs between which the pressures are blended."""
     ways = []
     for valve in _VALVES:
-        steps = values[f"hydraulics.{valve}_delay_{WHEELS[0]}"] / STEP_S
+        steps = np.array([values[f"hydraulics.{valve}_delay_{wheel}"] for wheel in WHEELS]) / STEP_S
         whole = np.floor(steps + 1e-9)
-        part = steps - whole
-        ways.append([(1.0 - part, whole), (part, whole + 1.0)] if part > 1e-9 else [(1.0, whole)])
+        part = np.maximum(steps - whole, 0.0)
+        ways.append([(1.0 - part, whole), (part, whole + 1.0)] if part.max() > 1e-9 else [(np.ones(4), whole)])
     runs = []
     for (inlet_share, inlet), (outlet_share, outlet) in product(*ways):
-        delays = {f"hydraulics.inlet_delay_{wheel}": inlet * STEP_S for wheel in WHEELS}
-        delays |= {f"hydraulics.outlet_delay_{wheel}": outlet * STEP_S for wheel in WHEELS}
-        runs.append((float(inlet_share * outlet_share), delays))
+        delays: dict[str, float] = {}
+        for i, wheel in enumerate(WHEELS):
+            delays[f"hydraulics.inlet_delay_{wheel}"] = float(inlet[i]) * STEP_S
+            delays[f"hydraulics.outlet_delay_{wheel}"] = float(outlet[i]) * STEP_S
+        runs.append((inlet_share * outlet_share, delays))
     return runs
 
 
@@ -219,10 +242,8 @@ def reported_pressure(deviations: Mapping[str, float], true: FloatArray) -> Floa
     lag = deviations.get("pressure_sensor_lag.time_constant", 0.0)
     reported = true
     if lag > 0.0:
-        reported = true.copy()
         share = SAMPLE_TIME_S / (lag + SAMPLE_TIME_S)
-        for k in range(1, len(reported)):
-            reported[k] = reported[k - 1] + share * (true[k] - reported[k - 1])
+        reported, _ = lfilter([share], [1.0, share - 1.0], true, axis=0, zi=(1.0 - share) * true[:1])
     scale = deviations.get("pressure_sensor_scale.wheels", 0.0)
     offset = deviations.get("pressure_sensor_offset.wheels", 0.0)
     return reported if scale == 0.0 and offset == 0.0 else reported * (1.0 + scale) + offset

@@ -43,7 +43,7 @@ def _move_target(p: Record, s: Record, wheel: int, drawn: float, master: float) 
 def _fill_gap(p: Record, s: Record, wheel: int, before: float, gap: float) -> float:
     """Fluid that only moves the pads up to the disc makes no pressure; returns what is left of the gap [m^3]."""
     gained = s.pressure[wheel] - before
-    if gained <= 0.0:
+    if gained <= 0.0 or gap <= 0.0:
         return gap
     per_volume = stiffness(p, wheel, before)
     used = min(gained / per_volume, gap)

@@ -48,12 +48,14 @@ class Inputs:
     inferred : (n,) True where the longitudinal force was taken from the measured acceleration
     forced : (n,) True where an acceleration that no channel explains is so large that wheels and forces say nothing
     steered : True where a steering channel is there
+    forces_measured : True where brakes and drive have their own channels
     """
 
     values: FloatArray
     inferred: NDArray[np.bool_]
     forced: NDArray[np.bool_]
     steered: bool
+    forces_measured: bool
 
 
 def reference_speed(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> FloatArray:
@@ -106,7 +108,14 @@ def read_inputs(manoeuvre: Manoeuvre, channels: Mapping[str, FloatArray], vehicl
         turn = turning(manoeuvre, vehicle)
         if turn is not None:
             forced |= np.abs(smooth(turn) * reference_speed(manoeuvre, vehicle)) > _LARGEST_INFERRED_M_S2
-    return Inputs(values, inferred, forced, steer is not None)
+    return Inputs(values, inferred, forced, steer is not None, braked and driven)
+
+
+def with_pressures(inputs: Inputs, channels: Mapping[str, FloatArray]) -> FloatArray:
+    """Values (n, INPUTS) of inputs whose forces were measured, with other pressures."""
+    values = inputs.values.copy()
+    _write_pressures(values, channels)
+    return values
 
 
 def _write_pressures(values: FloatArray, channels: Mapping[str, FloatArray]) -> bool:

@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +19,10 @@ from model_diagnosis.effects.form import REPLAYED
 from model_diagnosis.effects.sensor_chain import measured_signals, sensor_columns, true_inputs
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.derived import derive
-from model_diagnosis.replay.deviations import change_record
+from model_diagnosis.replay.deviations import RECORD_COLUMNS, change_record
 from model_diagnosis.replay.hydraulic import GAIN as PRESSURE_GAIN
 from model_diagnosis.replay.hydraulic import HYDRAULIC_COLUMNS, HydraulicReplay, acts_on_pressures, reported_pressure
-from model_diagnosis.replay.inputs import SLOWEST_M_S, read_inputs, reference_speed
+from model_diagnosis.replay.inputs import SLOWEST_M_S, read_inputs, reference_speed, with_pressures
 from model_diagnosis.replay.nominal import NominalCar, nominal_car
 from model_diagnosis.replay.parameters import adjusted_parameter, nominal_value, values_of
 from model_diagnosis.replay.prepared import PRESSURES, Prepared, prepare
@@ -47,6 +47,8 @@ one: the prediction would gain by a wrong inertia, a wrong differential, a wrong
 """
 
 _FREE = np.zeros(len(_GAINS) + 1)
+
+_CARS_KEPT = 256
 
 _STEP_SHARE = 0.05
 """Step of a finite difference over the effect's width."""
@@ -121,6 +123,9 @@ class Replay:
         self.car: NominalCar = nominal_car(vehicle)
         self.hydraulics = HydraulicReplay(vehicle)
         self.gains = np.array([*_GAINS, _DEAD_BAND * own_noise(vehicle, "wheel_speed_fl")])
+        # every manoeuvre and every column of a sweep asks for the same few cars
+        self._cars = lru_cache(maxsize=_CARS_KEPT)(self._make_car)
+        self._tables = lru_cache(maxsize=_CARS_KEPT)(self._make_tables)
         nominal = self._record_at({})[0]
         self.prepared = [prepare(manoeuvre, vehicle, nominal) for manoeuvre in self.manoeuvres]
         by_steps = self._pressure_misfit()
@@ -155,8 +160,11 @@ class Replay:
         return entry
 
     def _record_at(self, deviations: Mapping[str, float]) -> NDArray[np.void]:
+        return self._cars(tuple((column, value) for column, value in deviations.items() if column in RECORD_COLUMNS))
+
+    def _make_car(self, deviations: tuple[tuple[str, float], ...]) -> NDArray[np.void]:
         cars = self.car.record.copy()
-        change_record(cars, deviations)
+        change_record(cars, dict(deviations))
         derive(cars)
         return cars
 
@@ -295,6 +303,8 @@ class Replay:
         if not by_unit and not any(prepared.drives(column) for column in deviations):
             return prepared.inputs.values
         channels = true_inputs(deviations, manoeuvre.time, prepared.driving) | by_unit
+        if prepared.inputs.forces_measured:
+            return with_pressures(prepared.inputs, channels)
         return read_inputs(manoeuvre, channels, self.vehicle, self._record_at(deviations)[0]).values
 
     def car_outputs(
@@ -319,8 +329,9 @@ class Replay:
         """Tables of the tyres, reshaped where a deviation asks for it."""
         loss = deviations.get("tyre_peak_shape.sliding_loss", 0.0)
         shift = deviations.get("tyre_peak_shape.peak_slip", 0.0)
-        if loss == 0.0 and shift == 0.0:
-            return self.car.tables
+        return self.car.tables if loss == 0.0 and shift == 0.0 else self._tables(loss, shift)
+
+    def _make_tables(self, loss: float, shift: float) -> FloatArray:
         return shaped_tables(self.car.tables, self.car.record[0]["peak_slip_x"][::2], loss, shift)
 
     def _parts(

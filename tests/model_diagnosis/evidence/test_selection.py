@@ -150,3 +150,20 @@ def test_no_refit_is_worse_than_nothing_more_with_the_same_freedom(seed: int) ->
         if refit.hypothesis.value is None:
             bound = nothing.misfit + np.sum(((nothing.theta - priors.centre) / refit.fit.widths) ** 2)
             assert refit.fit.cost <= bound + 1e-6
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_nothing_has_converged_before_effects_are_weighed_against_it(seed: int) -> None:
+    """On a strongly bent car with an effect: sensitivities taken anew at "nothing" lower its cost by no unit more."""
+    car = LinearCar(EFFECTS, _truth(seed, c2=0.8, c7=-0.8), seed, bend=3.0, colour=0.5)
+    base = fit_base(car, Priors.of(car.parameters))
+    nothing = base.nothing
+    again = base.problem.fit(base.problem.linearise(nothing.theta), nothing.widths, nothing.theta)
+    assert nothing.cost - again.cost < 1.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_temperature_is_that_of_the_noise_where_the_catalogue_holds_the_effects(seed: int) -> None:
+    """White innovations have temperature 1; the bound leaves the scatter of blocks. Fits of another whitening gave 42."""
+    car = LinearCar(EFFECTS, _truth(seed, c2=0.8, c7=-0.8), seed, bend=6.0, colour=0.5)
+    assert 1.0 <= fit_base(car, Priors.of(car.parameters)).problem.whitener.temperature < 1.6

@@ -70,6 +70,22 @@ def test_dead_times_of_the_valves_are_continuous(car: VehicleFile, log: Manoeuvr
     assert np.allclose(predictions[1], middle, rtol=0.0, atol=1e-6 * np.abs(middle).max())
 
 
+def test_one_late_valve_delays_its_own_wheel_alone(car: VehicleFile, log: Manoeuvre) -> None:
+    """The same wheel as with all valves late by as much, and the others as with none."""
+    model = Replay(car, [log])
+    found = {}
+    for column in ("inlet_valve_delay.delay", "inlet_valve_delay.fl"):
+        theta = np.zeros(len(model.columns))
+        theta[model.columns.index(column)] = 2.5e-3
+        found[column] = model.predict(theta, 0)
+    nominal = model.predict(np.zeros(len(model.columns)), 0)
+    wheels = [model.signals(0).index(f"brake_pressure_{wheel}") for wheel in ("fl", "fr", "rl", "rr")]
+    one, every = found["inlet_valve_delay.fl"][:, wheels], found["inlet_valve_delay.delay"][:, wheels]
+    assert np.abs(one[:, 0] - nominal[:, wheels[0]]).max() > 1e4
+    assert np.allclose(one[:, 0], every[:, 0], rtol=0.0, atol=1.0)
+    assert np.allclose(one[:, 1:], nominal[:, wheels[1:]], rtol=0.0, atol=1.0)
+
+
 def test_knock_back_delays_the_first_pressure_after_cornering(car: VehicleFile, log: Manoeuvre) -> None:
     lateral = np.where(log.time < 0.25, 6.0, 0.0)
     channels = dict(log.channels) | {"lateral_acceleration": lateral}
@@ -84,6 +100,15 @@ def test_knock_back_delays_the_first_pressure_after_cornering(car: VehicleFile, 
     # 0.5 cm^3 at the caliper's stiffness is the pressure that is lacking while the supply still rises
     assert np.max(usual - late) > 0.1 * 5e-7 * car.hydraulics.caliper_stiffness_front
     assert abs(late[-1] - usual[-1]) < 0.05 * usual[-1]
+
+
+def test_without_cornering_there_is_no_knock_back(car: VehicleFile, log: Manoeuvre) -> None:
+    """A volume that no pad was pushed back by changes not a bit of any pressure."""
+    model = Replay(car, [log])
+    theta = np.zeros(len(model.columns))
+    nominal = model.predict(theta, 0)
+    theta[model.columns.index("brake_knock_back.volume")] = 5e-7
+    assert np.array_equal(model.predict(theta, 0), nominal)
 
 
 def test_without_wheel_pressures_the_unit_drives_the_brakes(car: VehicleFile, log: Manoeuvre) -> None:
