@@ -92,11 +92,11 @@ def change_of(vehicle: VehicleFile, effect: Effect, deviations: Mapping[str, flo
     if law is not None:
         parameters, terms = law(vehicle, present)
         return CarChange(parameters, tuple(terms))
-    parameters: dict[str, float] = {}
+    changed: dict[str, float] = {}
     for parameter in effect.parameters:
         if parameter.name in present:
-            parameters |= _by_path(vehicle, effect, parameter, present[parameter.name], parameters)
-    limited = {path: _within_limits(vehicle, path, value) for path, value in parameters.items()}
+            changed |= _by_path(vehicle, effect, parameter, present[parameter.name], changed)
+    limited = {path: _within_limits(vehicle, path, value) for path, value in changed.items()}
     return CarChange(limited)
 
 

@@ -8,6 +8,7 @@ keep every sample.
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 FloatArray = NDArray[np.float64]
 
@@ -19,6 +20,12 @@ _ALLOWED_SPREADS = 3.0
 
 _LEAST_PRESSURE = 0.5
 """Share of the noise below which a pressure is none: three deviations of the mean over the widest window."""
+
+_LARGEST_MEDIAN = 1.0
+"""Share of the noise that its median over the widest window stays below: 4.6 deviations of it, 2.9 at ends."""
+
+_LARGEST_PEAK = 4.5
+"""Standard deviations that white noise stays below in a drive."""
 
 _MEDIAN_OF_NORMAL = 0.6745
 
@@ -50,9 +57,13 @@ def without_noise(values: FloatArray) -> FloatArray:
 
 
 def pressure_without_noise(values: FloatArray) -> FloatArray:
-    """Pressure (n,) without noise, and none at all where no more is left than the noise of a window's mean."""
-    quiet = without_noise(values)
-    quiet[quiet < _LEAST_PRESSURE * noise_of(values)] = 0.0
+    """Pressure (n,) without noise, and none at all where no more is left than the noise of a window's mean.
+
+    Single peaks of the noise make a window's variance too large for its line; about them the median tells the rest.
+    """
+    quiet, noise = without_noise(values), noise_of(values)
+    resting = median_filter(values, 2 * HALF_WIDTHS[-1] + 1, mode="reflect") < _LARGEST_MEDIAN * noise
+    quiet[(quiet < _LEAST_PRESSURE * noise) | (resting & (values < _LARGEST_PEAK * noise))] = 0.0
     return quiet
 
 

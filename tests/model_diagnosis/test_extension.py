@@ -227,3 +227,10 @@ def test_another_peak_keeps_stiffness_and_height(loss: float, shift: float) -> N
     assert after.max() == pytest.approx(before.max(), abs=1e-3)
     assert slip[after.argmax()] == pytest.approx((1.0 + shift) * slip[before.argmax()], rel=0.02)
     assert after[-1] == pytest.approx(before[-1] - loss, abs=0.02)
+
+
+def test_all_valves_late_and_one_later_add_up() -> None:
+    """Two deviations that act on one number of the file: 2 ms of all and 3 ms of one are 5 ms there, 2 ms elsewhere."""
+    change = change_of(load_vehicle("ekf_car"), effect("inlet_valve_delay"), {"delay": 2e-3, "fl": 3e-3})
+    found = {path.rsplit("_", 1)[1]: value for path, value in change.parameters.items()}
+    assert found == pytest.approx({"fl": 5e-3, "fr": 2e-3, "rl": 2e-3, "rr": 2e-3})

@@ -164,6 +164,6 @@ def test_nothing_has_converged_before_effects_are_weighed_against_it(seed: int) 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_temperature_is_that_of_the_noise_where_the_catalogue_holds_the_effects(seed: int) -> None:
-    """White innovations have temperature 1; the bound leaves the scatter of blocks. Fits of another whitening gave 42."""
+    """White innovations have temperature 1, and blocks scatter. Fits of another whitening gave 42."""
     car = LinearCar(EFFECTS, _truth(seed, c2=0.8, c7=-0.8), seed, bend=6.0, colour=0.5)
     assert 1.0 <= fit_base(car, Priors.of(car.parameters)).problem.whitener.temperature < 1.6

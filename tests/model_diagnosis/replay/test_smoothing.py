@@ -65,3 +65,15 @@ def test_released_brakes_are_not_pressed_by_noise() -> None:
     assert raw.mean() == pytest.approx(NOISE / np.sqrt(2.0 * np.pi), rel=0.05)  # mean of the positive half of a normal
     assert quiet.mean() < 0.03 * NOISE
     assert pressure_without_noise(noise)[3100:3900].mean() == pytest.approx(2e6, rel=0.002)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_single_peaks_of_the_noise_are_no_pressure(seed: int) -> None:
+    """At rest nothing drives the brakes, and a slow application loses no more than its first peak of the noise."""
+    rng = np.random.default_rng(seed)
+    rest = NOISE * rng.standard_normal(2000)
+    assert not pressure_without_noise(rest).any()
+    ramp = np.maximum(1e6 * (np.arange(600) - 300) * 0.01, 0.0)
+    begun = pressure_without_noise(ramp + NOISE * rng.standard_normal(600))
+    assert np.all(begun[ramp > 5.0 * NOISE + 3.0 * NOISE] > 0.0)
+    assert abs(float(np.mean(begun[350:] - ramp[350:]))) < 0.2 * NOISE
