@@ -64,8 +64,7 @@ wheels, and with hardly any force the limits fall until that slip fits (the docu
 Their confidence then asks for a share of a limit that is too low and is wrong too. They should be started before a
 braking.
 
-Of the other logs at hand the Ferrari 250 LM and the CarMaker runs have no wheel speeds: `bench estimate` names the
-channels that are missing.
+Which estimator lacks what in which log stands in a table [at the end](#what-the-logs-lack).
 """
 
 

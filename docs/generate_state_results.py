@@ -16,6 +16,50 @@ of the signal itself, as the document prints the formula, stand beside: a slalom
 made, and what the fits lack: [vehicle state](models/vehicle_state.md).
 """
 
+SINGLE = """### Single longitudinal fits
+
+Part of the single fits at 71 to 80 % of the true peak (AC-35). The document sets its thresholds by hand for each
+surface: at 0.63/B of the surface every fit lies within, with all of our noise. The automatic rule asks the fit's own B,
+so that its share is as certain as B. With the noise of the document's own launch (C.1: 0.02 rad/s in every step of
+1 ms, nothing else) 95 % are demanded. Ours has 0.02 rad/s in every frame of 5 ms, five times the power, and noise of
+gyroscope and accelerometers: B then spreads by 6 to 11 %, and a share of 75 % by 3 to 5 points; five points are what
+71 to 80 % leaves. Of data at 65 to 80 % of the peak C.3 has D just as uncertain.
+
+"""
+MUJOCO = """## The same criteria on the MuJoCo car
+
+The same scenarios with `plant=mujoco`, the same 20 seeds (`tests/acceptance/test_state_mujoco.py`). The document does
+not define this car, so that nothing binds; **bold** is what would miss. MuJoCo (over the mean of the signal) / planar
+car / limit:
+
+{slaloms}
+µ: friction in use of a wheel, whose pairs pass a low-pass of 30 ms. Fits (limits: laterally 45–65 % of the peak and at
+most 76.5 %, longitudinally 71–80 %, R² 0.90; B of the car is 7.2 in front and 9 behind on dry asphalt, 7.5 and 12 on
+wet basalt, 16.7 on ice, 58 and 38 along); on ice behind, 79.8 % would miss:
+
+{fits}
+{launches}
+{hills}
+**What misses, and why.** With the car's own properties taken away one after the other (5 tuning seeds):
+
+{reasons}
+- *Rear slip angle on dry asphalt, hardly a fit in front, late fits behind.* The body leans by up to 5 degrees over its
+  wheels (bars of 900 kN/m take that away): the centre of gravity, 0.6 m up, swings sideways, which is lateral speed at
+  the sensors and no slip angle at the tyres; and the filter knows 82 % of the lean (four springs, tyres and the body's
+  own weight on its lever, in place of `planar.roll_stiffness`), so that a part of gravity passes for side force. With a
+  body that hardly leans every lateral criterion but D is met, with fits at all wheels.
+- *Front slip angles.* The steering yields: the front wheels turn by 3 % less than the map says (20 kN m/rad against
+  the tyres' aligning moment). A stiff one takes away two thirds of what the stiff body left.
+- *D is 20 to 40 % too high.* A tenth of it goes with the lean. The rest stays with a stiff body; friction behind is
+  then measured 4 to 5 % too high and its pairs are 40 ms old, slip angles 36 ms: no more was found.
+- *The bend with friction jumps* gets no fit, and the limit stays at its start of 0.6: what is missing of the lean is
+  0.14 m/s² there that turns no car, the slip angles come out at 6.8 degrees in front and 4.2 behind where 9.4 and 6.7
+  are true. A stiff body gives one fit a run; most wheels get none with it either.
+- *Single longitudinal fits* scatter as on the planar car, by the noise. Launches and hills meet every limit; the 3 to
+  5 % of the grade are pitch: on 10 % uphill the body pitches by 0.46 degrees on its springs where the model's
+  `planar.pitch_stiffness` says 0.72, which is the 0.0045 that is missing.
+"""
+
 # printed rows: a_y, yaw rate, slip angle front, rear (the worse wheel), least R^2 (4.2)
 SLALOMS = {
     "wet_basalt": ("wet basalt", (11.1, 2.8, 9.6, 14.0), 0.90, "45–66 %"),
@@ -24,6 +68,8 @@ SLALOMS = {
 }
 LAUNCHES = {"V-43": ("ice", 14.1, 0.95, "80 %"), "V-44": ("icy_snow", 9.3, 2.1, "71.2 %"), "V-45": ("", 11.8, 5.1, "–")}
 HILLS = {4: (5.5, 1), 6: (5.16, 3), 8: (6.2, 5), 10: (0.8, 10)}
+ENDS = ("smallest", "largest")
+BASE = "% of mean x"
 QUANTITIES = ("a_y", "yaw_rate", "front", "rear")
 
 
@@ -76,6 +122,118 @@ def _launches(found: dict[tuple[str, str], float]) -> str:
     return "## Longitudinal (4.3)\n\n" + _table(head, rows)
 
 
+def _single_fits(found: dict[tuple[str, str], float]) -> str:
+    """Single longitudinal fits: thresholds by hand, and the automatic rule with two noises."""
+    rows = []
+    for key in ("ice", "icy_snow"):
+        low, high = (found["V-35", f"{key}: threshold by hand, share of the true peak, {end}"] for end in ENDS)
+        parts = (
+            found["V-35", f"{key}: {name}part of the fits within{end}"]
+            for name, end in (("threshold by hand, ", ""), ("noise of C.1, ", " it"), ("", " it"))
+        )
+        hand, launch, own = (f"{100 * part:.1f} %" for part in parts)
+        spreads = [found["V-35", f"{key}: {name}spread of B %"] for name in ("noise of C.1, ", "")]
+        cells = (f"{hand} ({100 * low:.1f} to {100 * high:.1f} %)", launch, own, f"{spreads[0]:.1f}, {spreads[1]:.1f}")
+        rows.append(f"| {key.replace('_', ' ')} | {' | '.join(cells)} |")
+    head = (
+        "| Launch | Threshold by hand, all our noise | Automatic, noise of C.1 | Automatic, our noise | Spread of B % |"
+    )
+    return SINGLE + _table(head, rows)
+
+
+def _mujoco(found: dict[tuple[str, str], float]) -> str:
+    """The same criteria on the MuJoCo car, beside the planar one."""
+    return MUJOCO.format(
+        slaloms=_mujoco_slaloms(found), fits=_mujoco_fits(found), launches=_mujoco_launches(found),
+        hills=_mujoco_hills(found), reasons=_mujoco_reasons(found),
+    )  # fmt: skip
+
+
+def _mujoco_slaloms(found: dict[tuple[str, str], float]) -> str:
+    rows = []
+    for key, (surface, printed, _, _) in SLALOMS.items():
+        cells = []
+        for name, limit in zip(QUANTITIES, printed, strict=True):
+            own, plain = (found["V-25", f"{start}{key}: {name} %"] for start in ("MuJoCo, ", ""))
+            mean = found["V-54", f"MuJoCo, {key}: {name} % of mean x"]
+            cells.append(f"{_judged(own, limit)} ({mean:.0f}) / {plain:.1f} / {limit:g}")
+        for axle in ("front", "rear"):
+            own, mean = (found[i, f"MuJoCo, {key}: friction {axle} {of}"] for i, of in (("V-25", "%"), ("V-54", BASE)))
+            plain = found["V-54", f"{key}: friction {axle} %"]
+            cells.append(f"{own:.1f} ({mean:.0f}) / {plain:.1f}")
+        rows.append(f"| {surface} | {' | '.join(cells)} |")
+    head = "| Slalom | a_y % | yaw rate % | slip angle front % | slip angle rear % | µ front % | µ rear % |"
+    return _table(head, rows)
+
+
+def _judged(value: float, limit: float) -> str:
+    return f"{value:.1f}" if value <= limit else f"**{value:.1f}**"
+
+
+def _mujoco_fits(found: dict[tuple[str, str], float]) -> str:
+    rows = []
+    cases = [("V-34", key, surface) for key, (surface, *_) in SLALOMS.items()]
+    cases += [("V-35", key, f"launch, {key.replace('_', ' ')}") for key in ("ice", "icy_snow", "dry_asphalt")]
+    for identifier, key, title in cases:
+
+        def told(name: str, identifier: str = identifier, key: str = key) -> float:
+            return found[identifier, f"MuJoCo, {key}: {name}"]
+
+        wheels = ", ".join(f"{told(f'fits of {wheel} per run'):g}" for wheel in ("fl", "fr", "rl", "rr"))
+        if told("fits per run") == 0.0:
+            rows.append(f"| {title} | {wheels} | – | – | – | – | – |")
+            continue
+        shares = [100 * told(f"share of the true peak, {name}") for name in ("median", *ENDS)]
+        errors = [told(f"{name} error of D %") for name in ("median", "mean")]
+        sides = f"{100 * told('part of the fits to the right'):.0f} %"
+        rows.append(
+            f"| {title} | {wheels} | {sides} | {shares[0]:.0f} %, {shares[1]:.0f} to {shares[2]:.1f} % | "
+            f"{told('R^2, smallest'):.2f} | {errors[0]:.1f}, {errors[1]:+.1f} | {told('median B'):.1f} |"
+        )
+    head = "| Run | Fits of fl, fr, rl, rr per run | To the right | Share of the peak: median, range | Least R² | "
+    return _table(head + "Error of D %: median, mean | Median B |", rows)
+
+
+def _mujoco_launches(found: dict[tuple[str, str], float]) -> str:
+    rows = []
+    for identifier, (key, a_x, v_x, _) in LAUNCHES.items():
+        name = key or "dry_asphalt"
+        cells = []
+        for quantity, limit in (("a_x", a_x), ("v_x", v_x)):
+            own, plain = found[identifier, f"MuJoCo, {name}: {quantity} %"], found[identifier, f"{quantity} %"]
+            mean = found["V-54", f"MuJoCo, {name}: {quantity} % of mean x"]
+            cells.append(f"{own:.2f} ({mean:.2f}) / {plain:.2f} / {limit:g}")
+        friction = found[identifier, f"MuJoCo, {name}: friction fl %"]
+        mean = found["V-54", f"MuJoCo, {name}: friction fl % of mean x"]
+        rows.append(f"| {name.replace('_', ' ')} | {' | '.join(cells)} | {friction:.1f} ({mean:.1f}) |")
+    return _table("| Launch | a_x % | v_x % | µ of a driven wheel % |", rows)
+
+
+def _mujoco_hills(found: dict[tuple[str, str], float]) -> str:
+    rows = []
+    for grade in HILLS:
+        errors = [found["V-50", f"MuJoCo, {grade} % {way}: error of the mean %"] for way in ("up", "down")]
+        lengths = [found["V-51", f"MuJoCo, {grade} % {way}: error of the length m"] for way in ("up", "down")]
+        rows.append(f"| {grade} | {errors[0]:.2f}, {errors[1]:.2f} / 6.2 | {lengths[0]:.1f}, {lengths[1]:.1f} / 10 |")
+    return _table("| Hill % | Error of the mean %, up, down | Error of the length m |", rows)
+
+
+def _mujoco_reasons(found: dict[tuple[str, str], float]) -> str:
+    rows = []
+    for name in ("as it is", "stiff body", "stiff body and steering"):
+        lean, ratio, front, rear = (
+            found["V-25", f"MuJoCo, {name}: {quantity}"]
+            for quantity in ("largest lean deg", "rear slip angle over the true one", "front slip angle %",
+                             "rear slip angle %")
+        )  # fmt: skip
+        wheels, error = (found["V-34", f"MuJoCo, {name}: {of}"] for of in ("wheels with fits", "mean error of D %"))
+        rows.append(f"| {name} | {lean:.1f} | {ratio:.2f} | {front:.1f} | {rear:.1f} | {wheels:g} | {error:+.0f} |")
+    head = (
+        "| Dry slalom | Largest lean, degrees | Rear slip angle over the true one | Front % | Rear % | Wheels with fits"
+    )
+    return _table(head + " | Mean error of D % |", rows)
+
+
 def _hills(found: dict[tuple[str, str], float]) -> str:
     rows = []
     for grade, (error, length) in HILLS.items():
@@ -89,7 +247,8 @@ def _hills(found: dict[tuple[str, str], float]) -> str:
 def page() -> str:
     """Text of the page."""
     found = measured()
-    return "\n".join((HEAD, _slaloms(found), _launches(found), _hills(found)))
+    parts = _slaloms(found), _launches(found), _single_fits(found), _hills(found), _mujoco(found)
+    return "\n".join((HEAD, *parts))
 
 
 if __name__ == "__main__":

@@ -199,15 +199,33 @@ class CorneringStiffnessSettings(BaselineSettings):
     )
 
 
-_SIDE_FORCES = tuple(f"lateral_force_{wheel}" for wheel in _WHEELS)
+_EVALUATES = "1 while it evaluates"
+
+
+def _slip_angle(axle: str, wheels: tuple[str, str]) -> Output:
+    """The plant's slip angle is that of ISO 8855, negative with positive side force."""
+    description = f"slip angle of the {axle} axle, positive with positive side force"
+    return Output(f"slip_angle_{axle}", "rad", description, tuple(f"slip_angle_{wheel}" for wheel in wheels), sign=-1.0)
+
+
+def _side_friction(axle: str, wheels: tuple[str, str]) -> Output:
+    return Output(
+        f"friction_used_{axle}",
+        "1",
+        f"side force over load, {axle} axle",
+        tuple(f"lateral_force_{wheel}" for wheel in wheels),
+        total=True,
+        over=tuple(f"vertical_load_{wheel}" for wheel in wheels),
+    )
+
 
 CORNERING_STIFFNESS_OUTPUTS: tuple[Output, ...] = (
     *_FIRST_OUTPUTS,
-    Output("side_slip_angle", "rad", "side-slip angle that the method uses"),
-    Output("slip_angle_front", "rad", "slip angle of the front axle, positive with positive side force"),
-    Output("slip_angle_rear", "rad", "slip angle of the rear axle, positive with positive side force"),
-    Output("friction_used_front", "1", "side force over load, front axle"),
-    Output("friction_used_rear", "1", "side force over load, rear axle"),
+    Output("side_slip_angle", "rad", "side-slip angle that the method uses", ("side_slip_angle",)),
+    _slip_angle("front", ("fl", "fr")),
+    _slip_angle("rear", ("rl", "rr")),
+    _side_friction("front", ("fl", "fr")),
+    _side_friction("rear", ("rl", "rr")),
     Output("slope_front", "1/rad", "slope of side friction over slip angle, front axle"),
     Output("slope_front_std", "1/rad", "standard deviation of the slope, front axle"),
     Output("slope_front_confidence", "1", "1 while the window spans the wanted slip angles, front axle"),
@@ -218,6 +236,11 @@ CORNERING_STIFFNESS_OUTPUTS: tuple[Output, ...] = (
     Output("window_rear", "s", "length of the window, rear axle"),
     Output("limit_reached_front", "1", "1 while the slope tells that the front axle is at its limit"),
     Output("limit_reached_rear", "1", "1 while the slope tells that the rear axle is at its limit"),
+    Output("side_slip_angle_confidence", "1", f"side-slip angle: {_EVALUATES}"),
+    Output("slip_angle_front_confidence", "1", f"slip angle of the front axle: {_EVALUATES}"),
+    Output("slip_angle_rear_confidence", "1", f"slip angle of the rear axle: {_EVALUATES}"),
+    Output("friction_used_front_confidence", "1", f"side force over load, front axle: {_EVALUATES}"),
+    Output("friction_used_rear_confidence", "1", f"side force over load, rear axle: {_EVALUATES}"),
 )
 
 

@@ -44,6 +44,8 @@ IN_LONGITUDINAL, IN_LATERAL, IN_YAW_RATE, IN_STEERING = 0, 5, 6, 7
 _YAW_RATE_BEFORE, _YAW_ACCELERATION, _SIDE_SLIP, _NEXT, _FILLED = range(5)
 _FILTERED = 5  # slip angle and friction of the front, then of the rear axle
 _STATE_SIZE = 9
+_CONFIDENCES = 17
+"""Outputs from here on are the confidences of angles and friction in use."""
 
 
 @njit(cache=True)
@@ -164,6 +166,7 @@ def _tick(
         rings[k, newest] = state[_FILTERED + k]
     out[2], out[3], out[4] = state[_SIDE_SLIP], angle_f, angle_r
     out[5], out[6] = sample[1], sample[3]
+    out[_CONFIDENCES:] = 1.0
     for axle in range(2):
         result = slopes[axle]
         window_slope(rings[2 * axle], rings[2 * axle + 1], newest, int(state[_FILLED]), values[SPAN], result)

@@ -25,6 +25,10 @@ class Output:
         Signals of the simulated car that weight this mean, one for each reference; empty for a plain mean.
     total : bool
         True where the true value is the sum of the references instead.
+    over : tuple of str
+        Signals of the simulated car whose sum divides it, as side forces by loads; empty for no divisor.
+    sign : float
+        -1 where the estimate counts the other way than the signals.
     """
 
     name: str
@@ -33,6 +37,8 @@ class Output:
     references: tuple[str, ...] = ()
     weights: tuple[str, ...] = ()
     total: bool = False
+    over: tuple[str, ...] = ()
+    sign: float = 1.0
 
 
 @dataclass(frozen=True)

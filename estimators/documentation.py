@@ -58,7 +58,10 @@ def _section(entry: Description) -> Iterator[str]:
 def _reference(output: Output) -> str:
     quoted = ", ".join(f"`{name}`" for name in output.references)
     combined = "sum" if output.total else "mean weighted by load" if output.weights else "mean"
-    return quoted if len(output.references) < 2 else f"{combined} of {quoted}"
+    text = quoted if len(output.references) < 2 else f"{combined} of {quoted}"
+    if output.over:
+        text += f" over sum of {', '.join(f'`{name}`' for name in output.over)}"
+    return text if output.sign > 0.0 else f"minus {text}"
 
 
 def settings_fields(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, FieldInfo]]:

@@ -28,6 +28,7 @@ from estimators.force_model import (
     TRANSITION_COLUMNS,
     WHEEL_F,
     WHEEL_R,
+    delay_wheel_row,
     hold_force_rates,
     measure,
     predict,
@@ -38,10 +39,20 @@ from estimators.inputs import FRESH, INPUTS_LOST, VALUE, accept_inputs, forget_i
 from estimators.interface import Estimator
 from estimators.kalman.correction import ROW_MISSING, ROW_USED, correct_rows
 from estimators.kalman.covariance import FloatArray, IntArray, all_finite, propagate_sparse
-from estimators.longitudinal_inputs import IN_ACCELERATION, axle_speeds, axle_torques, fresh_axles, slower_wheels
+from estimators.longitudinal_inputs import (
+    BRAKE_F,
+    BRAKE_R,
+    DRIVE_F,
+    DRIVE_R,
+    IN_ACCELERATION,
+    axle_speeds,
+    axle_torques,
+    fresh_axles,
+    slower_wheels,
+)
 from estimators.longitudinal_start import RUN, START, STOP, decide, start_speed
 from estimators.vehicle_numbers import GRAVITY_M_S2, LongitudinalCar, longitudinal_car, tone_ring
-from estimators.wheel_speed_sensor import HISTORY_SIZE, bring_forward, forget_changes, is_lingering
+from estimators.wheel_speed_sensor import HISTORY_SIZE, bring_forward, forget_changes, is_lingering, sample_delay
 
 (
     SAMPLE_TIME,
@@ -55,8 +66,12 @@ from estimators.wheel_speed_sensor import HISTORY_SIZE, bring_forward, forget_ch
     TEETH,
     WINDOW,
     PITCH_FACTOR,
-) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 11)
-PROCESS_VARIANCE = PITCH_FACTOR + 1
+    BOUND_BY_WHEELS,
+    CONTRADICTION_WEIGHT,
+    CONTRADICTION_LIMIT,
+    ROLLING_TORQUE,
+) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 15)
+PROCESS_VARIANCE = ROLLING_TORQUE + 1
 MEASUREMENT_VARIANCE = PROCESS_VARIANCE + STATES
 INITIAL_VARIANCE = MEASUREMENT_VARIANCE + MEASUREMENTS
 TUNING_SIZE = INITIAL_VARIANCE + STATES
@@ -69,9 +84,12 @@ _DESIGN = _TRANSITION + STATES
 _SCRATCH = _DESIGN + MEASUREMENTS
 _MEMORY_ROWS = _SCRATCH + STATES
 
-_ACTIVE, _RESETS, _INPUT_STATE, _INNOVATION = range(4)
+_ACTIVE, _RESETS, _INPUT_STATE, _INNOVATION, _CONTRADICTION, _DISTRUSTED = range(6)
 _POSITION = {output.name: position for position, output in enumerate(FORCE_OUTPUTS)}
 _OUT_SPEED, _OUT_FORCE_F, _OUT_INNOVATION = _POSITION["speed"], _POSITION["force_front"], _POSITION["innovation"]
+_ROLLING_SHARE = 0.02
+"""Torque of an axle over weight times radius below which it rolls: its slip is then some thousandths."""
+_OUT_SPEED_CONFIDENCE = _POSITION["speed_confidence"]
 
 
 @njit(cache=True)
@@ -82,6 +100,44 @@ def _initialise(memory: FloatArray, tuning: FloatArray, speed: float, wheel_f: f
     covariance[:] = 0.0
     for i in range(STATES):
         covariance[i, i] = tuning[INITIAL_VARIANCE + i]
+
+
+@njit(cache=True)
+def _note_contradiction(
+    status: FloatArray, covariance: FloatArray, design: FloatArray, residual: float, noise: float, weight: float
+) -> None:
+    """Follow the mean of the accelerometer's residual over its deviation: 0 where it and the wheels agree."""
+    row = design[ROW_ACCELERATION]
+    variance = noise
+    for i in DESIGN_COLUMNS[ROW_ACCELERATION]:
+        for j in DESIGN_COLUMNS[ROW_ACCELERATION]:
+            variance += row[i] * covariance[i, j] * row[j]
+    status[_CONTRADICTION] += weight * (residual / math.sqrt(variance) - status[_CONTRADICTION])
+
+
+@njit(cache=True)
+def _bound_speed(state: FloatArray, torques: FloatArray, rim_f: float, rim_r: float, by_wheels: bool) -> bool:
+    """Hold the speed where the model is defined, and where asked above what rolls; True if it left the model's domain.
+
+    Eq. 82 is the drag of a car that drives forward: below zero its square would push on. A wheel without drive torque
+    turns no faster than the car goes.
+    """
+    if state[SPEED] < 0.0:
+        state[SPEED] = 0.0
+        return True
+    if by_wheels and torques[DRIVE_F] <= 0.0:
+        state[SPEED] = max(state[SPEED], rim_f)
+    if by_wheels and torques[DRIVE_R] <= 0.0:
+        state[SPEED] = max(state[SPEED], rim_r)
+    return False
+
+
+@njit(cache=True)
+def _rolls(torques: FloatArray, most: float) -> bool:
+    """Whether an axle has neither drive nor brake torque [N m]: its rim speed is the car's."""
+    front = max(abs(torques[DRIVE_F]), torques[BRAKE_F])
+    rear = max(abs(torques[DRIVE_R]), torques[BRAKE_R])
+    return min(front, rear) <= most
 
 
 @njit(cache=True)
@@ -96,8 +152,10 @@ def _filter_step(
     axle_torques(guard, tuning[BRAKE_GAIN_F], tuning[BRAKE_GAIN_R], tuning[BRAKE_IS_CAPACITY] > 0.0, torques)
     front, rear = axle_speeds(guard)
     teeth, window = tuning[TEETH], tuning[WINDOW]
-    stale_f = is_lingering(front, teeth, window, tuning[RADIUS_F] * front, state[SPEED])
-    stale_r = is_lingering(rear, teeth, window, tuning[RADIUS_R] * rear, state[SPEED])
+    # a speed that is not to be trusted tells of no deep slip either: rolling wheels would be taken for locking ones
+    speed = 0.0 if memory[_STATUS, _DISTRUSTED] > 0.0 else state[SPEED]
+    stale_f = is_lingering(front, teeth, window, tuning[RADIUS_F] * front, speed)
+    stale_r = is_lingering(rear, teeth, window, tuning[RADIUS_R] * rear, speed)
     stopped_f, stopped_r = predict(state, torques, tuning[SAMPLE_TIME], tuning, predicted, transition)
     # where neither wheel speed tells its axle's force, only the sum of both is observed
     locked = (stopped_f or stale_f) and (stopped_r or stale_r)
@@ -114,6 +172,10 @@ def _filter_step(
         noise[r] = tuning[MEASUREMENT_VARIANCE + r]
     speeds[0], speeds[1] = front, rear
     if teeth > 0.0:
+        delay_f = 0.0 if stopped_f else sample_delay(front, teeth, window)
+        delay_r = 0.0 if stopped_r else sample_delay(rear, teeth, window)
+        delay_wheel_row(design, ROW_WHEEL_F, delay_f, tuning[RADIUS_F], tuning[INERTIA_F])
+        delay_wheel_row(design, ROW_WHEEL_R, delay_r, tuning[RADIUS_R], tuning[INERTIA_R])
         bring_forward(history, teeth, window, tuning[SAMPLE_TIME], change_f, change_r, speeds, noise[ROW_WHEEL_F:])
     acceleration = guard[IN_ACCELERATION, VALUE] * tuning[PITCH_FACTOR]
     expected[ROW_ACCELERATION] = acceleration - expected[ROW_ACCELERATION]
@@ -124,6 +186,11 @@ def _filter_step(
     rows[ROW_ACCELERATION] = ROW_USED if hold or guard[IN_ACCELERATION, FRESH] > 0.0 else ROW_MISSING
     rows[ROW_WHEEL_F] = ROW_USED if (hold or fresh_f) and not stale_f else ROW_MISSING
     rows[ROW_WHEEL_R] = ROW_USED if (hold or fresh_r) and not stale_r else ROW_MISSING
+    if rows[ROW_ACCELERATION] == ROW_USED:
+        _note_contradiction(
+            memory[_STATUS], covariance, design, expected[ROW_ACCELERATION], noise[ROW_ACCELERATION],
+            tuning[CONTRADICTION_WEIGHT],
+        )  # fmt: skip
     memory[_STATUS, _INNOVATION] = correct_rows(
         state,
         covariance,
@@ -135,6 +202,11 @@ def _filter_step(
         DESIGN_COLUMNS,
         scratch[:4],
     )
+    by_wheels = tuning[BOUND_BY_WHEELS] > 0.0
+    outside = _bound_speed(state, torques, tuning[RADIUS_F] * front, tuning[RADIUS_R] * rear, by_wheels)
+    # once it has given way to a contradiction nothing ties the speed again, also where drag then explains the rest
+    if outside or abs(memory[_STATUS, _CONTRADICTION]) > tuning[CONTRADICTION_LIMIT]:
+        memory[_STATUS, _DISTRUSTED] = 1.0
 
 
 @njit(cache=True)
@@ -168,15 +240,19 @@ def _tick(
         _filter_step(memory, history, rows, tuning, guard)
         if not all_finite(state):
             action = STOP
+        elif status[_DISTRUSTED] > 0.0 and _rolls(memory[_TORQUES], tuning[ROLLING_TORQUE]):
+            action = START
+            status[_RESETS] += 1.0
+            forget_changes(history)
     else:
         forget_changes(history)
     if action == START:
         speed = start_speed(guard[IN_ACCELERATION, VALUE], rim_f, rim_r)
         _initialise(memory, tuning, speed, wheel_f, wheel_r)
-        status[_ACTIVE], status[_INNOVATION] = 1.0, 0.0
+        status[_ACTIVE], status[_INNOVATION:] = 1.0, 0.0
     elif action == STOP:
         _initialise(memory, tuning, 0.0, 0.0, 0.0)
-        status[_ACTIVE], status[_INNOVATION] = 0.0, 0.0
+        status[_ACTIVE], status[_INNOVATION:] = 0.0, 0.0
         status[_RESETS] += 1.0
     out[0], out[1], out[2] = status[_ACTIVE], status[_RESETS], verdict
     for i in range(WHEEL_R + 1):
@@ -187,6 +263,7 @@ def _tick(
         out[_OUT_FORCE_F + 2 * k] = state[force]
         out[_OUT_FORCE_F + 2 * k + 1] = math.sqrt(max(covariance[force, force], 0.0))
     out[_OUT_INNOVATION] = status[_INNOVATION]
+    out[_OUT_SPEED_CONFIDENCE] = 1.0 if status[_ACTIVE] > 0.0 and status[_DISTRUSTED] == 0.0 else 0.0
 
 
 def model_parameters(car: LongitudinalCar, settings: ForceEkfSettings) -> FloatArray:
@@ -245,6 +322,11 @@ def _tuning(vehicle: Mapping[str, float], settings: ForceEkfSettings, sample_tim
     values[BRAKE_IS_CAPACITY] = settings.brake_torque == "capacity"
     values[HOLD_INPUTS] = settings.input_rule == "hold"
     values[MINIMUM_SPEED], values[HYSTERESIS] = settings.minimum_speed, settings.speed_hysteresis
+    values[BOUND_BY_WHEELS] = settings.speed_bound == "wheels"
+    values[CONTRADICTION_WEIGHT] = 1.0 / settings.contradiction_samples
+    values[CONTRADICTION_LIMIT] = settings.contradiction_limit
+    # no torque is below zero: without ``restart`` no axle ever rolls
+    values[ROLLING_TORQUE] = _ROLLING_SHARE * car.weight * min(car.radius) if settings.restart else -1.0
     values[RATE_DECAY] = math.exp(-sample_time_s / settings.locked_rate_time_constant)
     extra = float(settings.unmodelled_force)
     process = np.array(

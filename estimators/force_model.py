@@ -35,7 +35,13 @@ TRANSITION_COLUMNS = np.array(
         [EXTRA_RATE, -1, -1, -1],
     ]
 )
-DESIGN_COLUMNS = np.array([[SPEED, FORCE_F, FORCE_R, EXTRA], [WHEEL_F, -1, -1, -1], [WHEEL_R, -1, -1, -1]])
+DESIGN_COLUMNS = np.array(
+    [
+        [SPEED, FORCE_F, FORCE_R, EXTRA],
+        [WHEEL_F, FORCE_F, FORCE_RATE_F, -1],
+        [WHEEL_R, FORCE_R, FORCE_RATE_R, -1],
+    ]
+)
 
 
 @njit(cache=True)
@@ -120,6 +126,20 @@ def measure(state: FloatArray, parameters: FloatArray, expected: FloatArray, des
     expected[ROW_WHEEL_F], expected[ROW_WHEEL_R] = state[WHEEL_F], state[WHEEL_R]
     design[ROW_WHEEL_F, WHEEL_F] = 1.0
     design[ROW_WHEEL_R, WHEEL_R] = 1.0
+
+
+@njit(cache=True)
+def delay_wheel_row(design: FloatArray, row: int, delay: float, radius: float, inertia: float) -> None:
+    """H of a wheel speed that is ``delay`` old [s] and was brought forward by the model's own force.
+
+    The sample is w(t - d) = w - (M d - R (F d - F' d^2/2))/Theta: what it tells of the force is in these entries. Left
+    out, the force is corrected as if the sample were of now, once more for every sample on the way, and swings up.
+    """
+    wheel = WHEEL_F if row == ROW_WHEEL_F else WHEEL_R
+    force = FORCE_F if row == ROW_WHEEL_F else FORCE_R
+    design[row, wheel] = 1.0
+    design[row, force] = delay * radius / inertia
+    design[row, force + 1] = -0.5 * delay * delay * radius / inertia
 
 
 @njit(cache=True)

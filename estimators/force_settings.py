@@ -62,6 +62,31 @@ class ForceEkfSettings(LongitudinalSettings):
     speed_hysteresis: float = parameter(
         "m/s", 0.2, low=0.0, high=2.0, description="it stops this much below the minimum speed", source="assumed"
     )
+    speed_bound: Literal["standstill", "wheels"] = Field(
+        default="standstill",
+        description="what the speed is held above. standstill: 0, the end of eq. 82; wheels: also the rim speed of an "
+        "axle without drive torque, which the document's filter does not ask",
+    )
+    contradiction_samples: float = parameter(
+        "1",
+        100.0,
+        low=1.0,
+        high=1e4,
+        description="accelerometer samples over which its residual is averaged",
+        source="assumed",
+    )
+    contradiction_limit: float = parameter(
+        "1",
+        0.3,
+        low=0.1,
+        high=100.0,
+        description="mean of the residual over its deviation above which the speed is not to be trusted",
+        source="assumed: four deviations of the mean of 100 white samples",
+    )
+    restart: bool = Field(
+        default=True,
+        description="a speed that is not to be trusted is taken from the wheels again once an axle has no torque",
+    )
     locked_rate_time_constant: float = parameter(
         "s",
         0.05,
@@ -94,4 +119,5 @@ FORCE_OUTPUTS: tuple[Output, ...] = (
     *with_deviation("force_rear", "N", "longitudinal force of both rear tyres", _REAR, total=True),
     *with_deviation("unmodelled_force", "N", "force of unmodelled effects on the car"),
     Output("innovation", "1", "normalised innovation squared of this step"),
+    Output("speed_confidence", "1", "1 while accelerometer and wheels agree and the speed is within its bounds"),
 )

@@ -10,8 +10,11 @@ from estimators.vehicle_state_record import BUFFER, CURVED, LINEAR, LOG_ROWS
 
 _GROWTH = 1.02
 """Slip by which the data have to grow before a fit that was refused is tried again."""
-_TOLERANCE = 0.95
-"""Part of the slip that a curve asks for, from which on its fit is taken."""
+_TOLERANCE = (0.95, 1.0)
+"""Part of the slip that a curve asks for, from which on its fit is taken; lateral, longitudinal.
+
+Lateral pairs are compared as they are, behind their low-pass, longitudinal ones with the slip of now.
+"""
 _STIFFNESS_STEP = 1.05
 """Ratio of neighbouring stiffnesses in the search for the stiffest curve that explains the data."""
 _LEARNING = 0.3
@@ -24,8 +27,8 @@ def forget_curve(curve: Any, t: Any, direction: int) -> None:
     curve.mode, curve.count, curve.sign, curve.stride, curve.skipped = LINEAR, 0, 0.0, 1, 0
     curve.b, curve.d = t.initial_b, 0.0
     curve.threshold = curve.start = t.start_threshold[direction]
-    curve.known_b, curve.now, curve.early = 0.0, 0.0, 0
-    curve.next_try, curve.pending, curve.handed_over = 0.0, 0, 0
+    curve.known_b, curve.now, curve.reach, curve.early = 0.0, 0.0, 0.0, 0
+    curve.next_try, curve.asked, curve.pending, curve.handed_over = 0.0, 0.0, 0, 0
     curve.attained, curve.objective, curve.r_squared, curve.share, curve.points = 0.0, 0.0, 0.0, 0.0, 0
 
 
@@ -60,6 +63,20 @@ def _wanted_reach(b: float, direction: int, t: Any) -> float:
 
 
 @njit(cache=True)
+def _was_asked_for(curve: Any, x: float, wanted: float, direction: int) -> bool:
+    """Whether the slip is beyond what the fit before this one asked for; notes what this one asks for.
+
+    The document's threshold is that of the previous fit (3.4). A launch has one half-wave, so that the previous fit is
+    the one that was refused a little earlier: a single soft or stiff curve in the noise decides nothing. Lateral curves
+    have those of earlier half-waves (``known_b``, ``start``).
+    """
+    if direction == 0:
+        return True
+    asked, curve.asked = curve.asked, wanted
+    return 0.0 < asked <= x
+
+
+@njit(cache=True)
 def _peak_may_be_near(curve: Any, x_row: FloatArray, mu_row: FloatArray, count: int, objective: float, x: float,
                       direction: int, scratch: FloatArray, t: Any) -> bool:  # fmt: skip
     """Whether waiting for more data has to end although the best curve asks for more.
@@ -67,7 +84,7 @@ def _peak_may_be_near(curve: Any, x_row: FloatArray, mu_row: FloatArray, count: 
     It has, where the data reach what the wheel's earlier curves ask for, and a curve whose peak is near explains them
     nearly as well as the best one.
     """
-    if curve.known_b <= 0.0 or x < _TOLERANCE * _wanted_reach(curve.known_b, direction, t):
+    if curve.known_b <= 0.0 or x < _TOLERANCE[direction] * _wanted_reach(curve.known_b, direction, t):
         return False
     b = t.doubtful_times_b[direction] / max(curve.now, x)
     return _explains(x_row, mu_row, count, b, (1.0 + t.doubt[direction]) * objective, scratch, t)
@@ -133,7 +150,7 @@ def conclude_fit(
     """
     direction = number // 4
     count = curve.count
-    x = abs(x_row[count - 1])
+    x = curve.reach
     quality = r_squared(x_row, mu_row, count, d, b, t.curve_c)
     curve.pending = 0
     # the next start of a fit from further out, whatever becomes of this one
@@ -147,7 +164,7 @@ def conclude_fit(
         return
     if t.automatic[direction] == 1:
         wanted = _wanted_reach(b, direction, t)
-        reached = x >= _TOLERANCE * wanted
+        reached = x >= _TOLERANCE[direction] * wanted and _was_asked_for(curve, x, wanted, direction)
         if not reached and not _peak_may_be_near(curve, x_row, mu_row, count, objective, x, direction, scratch, t):
             curve.provisional += 1
             return
@@ -194,6 +211,8 @@ def observe_pair(
 ) -> None:
     """Take a pair of slip and friction of curve ``number``; ``now`` is the slip that the pair's low-pass lags behind.
 
+    The low-pass of the longitudinal pairs is so slow that thresholds are compared with ``now`` there.
+
     A change of the slip's sign clears the buffer; crossing the threshold starts the fit; slip below it by the
     hysteresis leads back to the linear law.
     """
@@ -201,21 +220,23 @@ def observe_pair(
     sign = 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
     if sign != curve.sign and sign != 0.0:
         curve.count, curve.sign, curve.stride, curve.skipped, curve.next_try = 0, sign, 1, 0, 0.0
-        curve.pending = 0
+        curve.pending, curve.asked = 0, 0.0
         if curve.mode == CURVED:
             curve.mode = LINEAR
+    reach = abs(x) if direction == 0 else now
     if curve.mode == CURVED:
-        if abs(x) < curve.threshold * (1.0 - t.hysteresis):
+        # a smooth slip leads back: the one of now would do so in its noise
+        if max(abs(x), reach) < curve.threshold * (1.0 - t.hysteresis):
             curve.mode = LINEAR
         return
     # a force against its slip is an error of the slip: it tells nothing of the curve
     if sign == 0.0 or mu * sign <= 0.0:
         return
     _store(curve, x_row, mu_row, x, mu)
-    curve.now = max(abs(x), now)
-    if t.fit[direction] == 0 or curve.skipped != 0 or curve.pending == 1:
+    curve.now, curve.reach = max(abs(x), now), reach
+    if t.fit[direction] == 0 or curve.pending == 1:
         return
-    if abs(x) <= max(curve.start, curve.next_try) or curve.count < t.fewest_points:
+    if reach <= max(curve.start, curve.next_try) or curve.count < t.fewest_points:
         return
     if t.outside_solver == 1:
         curve.pending = 1

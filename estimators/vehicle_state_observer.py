@@ -19,6 +19,7 @@ from estimators.kalman.covariance import FloatArray, IntArray
 from estimators.kalman.sigma_points import unscented_weights
 from estimators.magic_formula_fit_solver import slsqp_fit
 from estimators.magic_formula_fit_step import conclude_fit
+from estimators.vehicle_numbers import tone_ring
 from estimators.vehicle_state_car import document_car
 from estimators.vehicle_state_lateral import LateralMemory, lateral_memory
 from estimators.vehicle_state_outputs import ALL_OUTPUTS, positions_of
@@ -44,7 +45,7 @@ from estimators.vehicle_state_settings import (
     lateral_inputs,
     state_inputs,
 )
-from estimators.vehicle_state_tick import ObserverParts, forget_state, observe
+from estimators.vehicle_state_tick import TREND, ObserverParts, forget_state, observe
 
 _LISTING_NOISE = {"process_lateral_speed": 0.01, "process_yaw_rate": 0.1, "process_slope": 0.1}
 _CONSISTENT_NOISE = {"process_lateral_speed": 1e-6, "process_yaw_rate": 1e-5, "process_slope": 1e-3}
@@ -110,6 +111,8 @@ class StateObserver(Estimator):
         mean, covariance, spread = self._weights(lateral)
         self._tuning["spread"] = spread
         self._fill(settings.longitudinal, sample_time_s)
+        teeth, window = tone_ring(vehicle, settings.wheel_speed_teeth, settings.wheel_speed_window)
+        self._tuning["teeth"], self._tuning["window"] = teeth, window
         self._fill_lateral(lateral, sample_time_s)
         self._fill_fit(fit, lateral)
         self._fill_grade(getattr(settings, "grade", GradeSettings()), sample_time_s)
@@ -227,6 +230,7 @@ class StateObserver(Estimator):
         t["engine_torque_path"] = longitudinal.drive_torque == "engine"
         t["engine_weight"] = _weight(0.01, longitudinal.engine_time_constant)
         t["pair_weight"] = _weight(0.01, longitudinal.pair_time_constant)
+        t["trend_weight"] = _weight(0.01, TREND * longitudinal.pair_time_constant)
         t["settling_time"] = longitudinal.settling_time
         t["measured_slip"] = longitudinal.pair_slip == "measured"
         t["brakes"] = longitudinal.brake_torque == "pressure"

@@ -82,6 +82,7 @@ STATE_RECORD = np.dtype(
         ("running_time", "f8"),
         ("pair_slip", "f8", (4,)),
         ("pair_used", "f8", (4,)),
+        ("pair_trend", "f8", (4,)),
         # grade
         ("theta_r", "f8"),
         ("theta_with_pitch", "f8"),
@@ -102,6 +103,8 @@ CURVE_RECORD = np.dtype(
         ("start", "f8"),
         ("known_b", "f8"),
         ("now", "f8"),
+        ("reach", "f8"),
+        ("asked", "f8"),
         ("early", "i8"),
         ("next_try", "f8"),
         ("count", "i8"),
@@ -159,6 +162,8 @@ TUNING_RECORD = np.dtype(
         ("stuck_difference", "f8"),
         # longitudinal observer
         ("longitudinal", "i8"),
+        ("teeth", "f8"),
+        ("window", "f8"),
         ("gate_x", "f8"),
         ("surface_error", "f8"),
         ("surface_rate", "f8"),
@@ -177,6 +182,7 @@ TUNING_RECORD = np.dtype(
         ("engine_weight", "f8"),
         ("brakes", "i8"),
         ("pair_weight", "f8"),
+        ("trend_weight", "f8"),
         ("measured_slip", "i8"),
         ("settling_time", "f8"),
         # fit, lateral and longitudinal

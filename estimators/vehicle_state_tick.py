@@ -28,6 +28,7 @@ from estimators.vehicle_state_model import (
 )
 from estimators.vehicle_state_record import CURVES
 from estimators.wheel_sliding_mode_step import longitudinal_step, rest_longitudinal
+from estimators.wheel_speed_sensor import sample_delay
 
 # rows of the input guard
 (
@@ -47,6 +48,8 @@ IN_PRESSURE = 14
 
 _STANDING = 0.1
 _FIRST_FRAMES = 0.05
+TREND = 3.0
+"""Time constant of the low-pass that tells the lag of the longitudinal pairs, over the pairs' own."""
 _LONGEST_EXTRAPOLATION = 0.02
 _FASTEST_STEERING = 25.0
 
@@ -86,7 +89,7 @@ def forget_state(s: Any, curves: Any, m: Any, car: Any, t: Any) -> None:
         s.force_x[i] = s.force_y[i] = s.theta[i] = s.alpha[i] = 0.0
         s.slope[i] = t.initial_slope_x
         s.sum_slip[i] = s.sum_used[i] = s.wheel_friction[i] = 0.0
-        s.pair_slip[i] = s.pair_used[i] = 0.0
+        s.pair_slip[i] = s.pair_used[i] = s.pair_trend[i] = 0.0
     for k in range(CURVES):
         forget_curve(curves[k], t, k // 4)
     start_lateral(m.x, m.covariance, s, t, 0.0)
@@ -113,6 +116,16 @@ def _towing_slip(s: Any, car: Any, t: Any, i: int) -> float:
 
 
 @njit(cache=True)
+def _wheel_delay(s: Any, t: Any, i: int) -> float:
+    """Age of a wheel speed when it is sampled [s]: it is the mean over a window of the tone ring's edges.
+
+    Some milliseconds, by which slip would lag behind friction: what the car gains in them is a thirtieth of the slip of
+    a launch on ice.
+    """
+    return sample_delay(s.measured[i], t.teeth, t.window)
+
+
+@njit(cache=True)
 def _read_wheels(s: Any, guard: FloatArray, car: Any, t: Any) -> None:
     """Wheel speeds in the document's order, their rates, and the odometer of the wheels that no engine drives."""
     for i in range(4):
@@ -133,7 +146,7 @@ def _read_wheels(s: Any, guard: FloatArray, car: Any, t: Any) -> None:
     for i in range(4):
         if t.anchor_rows[i] > 0.0:
             measured = s.measured[i] + s.measured_rate[i] * s.measured_age[i]
-            along = car.r[i] * measured * (1.0 + _towing_slip(s, car, t, i))
+            along = car.r[i] * measured * (1.0 + _towing_slip(s, car, t, i)) + s.dv_x * _wheel_delay(s, t, i)
             total += t.anchor_rows[i] * (along - wheel_speeds(0.0, 0.0, s.w_z, car, i)[0])
             share += t.anchor_rows[i]
     s.odometer = max(total / share, 0.0)
@@ -218,7 +231,7 @@ def _lateral(m: Any, s: Any, curves: Any, car: Any, t: Any, yaw_rate: float, sid
 
 
 @njit(cache=True)
-def _measured_slip(s: Any, car: Any, i: int) -> float:
+def _measured_slip(s: Any, car: Any, t: Any, i: int) -> float:
     """Slip of a wheel from its measured speed, brought forward as the car's speed changes.
 
     The slip of the wheel's model lags: it follows the slope, which the sign law moves at a limited rate, while the
@@ -227,8 +240,18 @@ def _measured_slip(s: Any, car: Any, i: int) -> float:
     v_kx = wheel_speeds(s.v_x, s.v_y, s.w_z, car, i)[0]
     if v_kx <= 0.0:
         return 0.0
-    omega = s.measured[i] + s.dv_x / car.r[i] * min(s.measured_age[i], _LONGEST_EXTRAPOLATION)
+    late = min(s.measured_age[i], _LONGEST_EXTRAPOLATION) + _wheel_delay(s, t, i)
+    omega = s.measured[i] + s.dv_x / car.r[i] * late
     return slip(v_kx, omega, car.r[i])
+
+
+@njit(cache=True)
+def _slip_of_now(s: Any, i: int) -> float:
+    """Magnitude of a wheel's slip without the lag of the pairs' low-pass, which a slower one behind it tells.
+
+    A slip that grows steadily is behind by its rate times the time constant: on ice a tenth of the threshold.
+    """
+    return abs(s.pair_slip[i] + (s.pair_slip[i] - s.pair_trend[i]) / TREND)
 
 
 @njit(cache=True)
@@ -236,7 +259,7 @@ def _gather_pairs(parts: ObserverParts, step_due: bool) -> None:
     """Slip and friction of every wheel and direction for the fits, once per step of the lateral filter."""
     s, car, t, curves, pairs = parts.state[0], parts.car[0], parts.tuning[0], parts.curves, parts.pairs
     for i in range(4):
-        s.sum_slip[i] += _measured_slip(s, car, i) if t.measured_slip == 1 else s.slip[i]
+        s.sum_slip[i] += _measured_slip(s, car, t, i) if t.measured_slip == 1 else s.slip[i]
         s.sum_used[i] += s.slope[i] * s.slip[i]
     if not step_due:
         return
@@ -245,6 +268,7 @@ def _gather_pairs(parts: ObserverParts, step_due: bool) -> None:
         s.sum_slip[i], s.sum_used[i] = 0.0, 0.0
         s.pair_slip[i] += t.pair_weight * (mean_slip - s.pair_slip[i])
         s.pair_used[i] += t.pair_weight * (mean_used - s.pair_used[i])
+        s.pair_trend[i] += t.trend_weight * (s.pair_slip[i] - s.pair_trend[i])
         if s.lateral_runs == 1 and s.rejected_y == 0:
             observe_pair(
                 curves[i], pairs[i, 0], pairs[i, 1], parts.scratch, parts.log, parts.logged, i, s.filtered_alpha[i],
@@ -253,7 +277,7 @@ def _gather_pairs(parts: ObserverParts, step_due: bool) -> None:
         if s.running_time >= t.settling_time and s.longitudinal_runs == 1 and s.braking == 0:
             observe_pair(
                 curves[4 + i], pairs[4 + i, 0], pairs[4 + i, 1], parts.scratch, parts.log, parts.logged, 4 + i,
-                s.pair_slip[i], s.pair_used[i], 0.0, s.time, t,
+                s.pair_slip[i], s.pair_used[i], _slip_of_now(s, i), s.time, t,
             )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ over the rows in which the estimator ran.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -19,7 +19,7 @@ from bench.estimation.source import Source
 from bench.scenario.estimator_names import kind_of
 from bench.verdict.assessment import Assessment, NoValueError
 from bench.verdict.metrics import settling_time, truth
-from bench.verdict.truth import truth_of
+from bench.verdict.truth import Truth, truth_of
 from estimators import describe
 from signals.catalogue import Signal
 
@@ -40,6 +40,9 @@ class Score:
         Time from the brake start, or from a jump of the truth, until the estimate stays within ±10 %; infinite: never.
     spread : float
         Largest less smallest estimate in the phase.
+    mean, smallest_sure : float
+        Mean of the estimate in the phase, which of a flag is its share; smallest while it is to be trusted, NaN where
+        it never was.
     """
 
     case: str
@@ -52,6 +55,8 @@ class Score:
     relative_error: float
     settling_s: float
     spread: float
+    mean: float
+    smallest_sure: float
 
     def as_json(self) -> dict[str, Any]:
         """Plain data; what is never reached is null."""
@@ -132,28 +137,35 @@ def _estimates(source: Source, requests: Sequence[Request]) -> list[OfflineEstim
     return run_offline(source, load_vehicle(source.vehicle).numbers(), requests)
 
 
-def quantity_labels(kinds: Sequence[str]) -> dict[tuple[Any, ...], str]:
-    """Name of each quantity by its truth: that of the first estimator that tells it."""
-    labels: dict[tuple[Any, ...], str] = {}
+def quantity_labels(kinds: Sequence[str]) -> dict[Truth, str]:
+    """Name of each quantity by its truth: that of the first estimator that tells it.
+
+    Where another quantity already has that name, the estimator's own is added.
+    """
+    labels: dict[Truth, str] = {}
     for kind in kinds:
         for output in describe(kind).compared():
-            labels.setdefault((output.references, output.weights, output.total), output.name)
+            expected = truth_of(f"{kind}.{output.name}")
+            if expected is not None and expected not in labels:
+                taken = output.name in labels.values()
+                labels[expected] = f"{output.name}_{kind}" if taken else output.name
     return labels
 
 
 def score_estimate(
-    case: Case, source: Source, estimate: OfflineEstimate, labels: Mapping[tuple[Any, ...], str]
+    case: Case, source: Source, estimate: OfflineEstimate, labels: Mapping[Truth, str], also: Collection[str] = ()
 ) -> list[Score]:
-    """Scores of every output that the source has a truth of."""
+    """Scores of every output that the source has a truth of, and of outputs in ``also`` without one: errors NaN."""
     assessment = Assessment(with_estimates(source.data, [estimate]))
     rows = _phase(assessment)
     found = []
     for signal in estimate.outputs:
         expected = truth_of(signal.name)
-        if expected is None:
-            continue
-        label = labels[(expected.signals, expected.weights, expected.total)]
-        found.append(_score(case, estimate, label, signal, assessment, rows))
+        name = signal.name.partition(".")[2]
+        if expected is not None:
+            found.append(_score(case, estimate, labels[expected], signal, assessment, rows))
+        elif name in also:
+            found.append(_score(case, estimate, name, signal, assessment, rows, has_truth=False))
     return found
 
 
@@ -165,12 +177,15 @@ def _phase(assessment: Assessment) -> slice:
 
 
 def _score(
-    case: Case, estimate: OfflineEstimate, label: str, signal: Signal, assessment: Assessment, rows: slice
-) -> Score:
+    case: Case, estimate: OfflineEstimate, label: str, signal: Signal, assessment: Assessment, rows: slice,
+    *, has_truth: bool = True,
+) -> Score:  # fmt: skip
     output = signal.name
     ran = estimate.running()[rows]
     kept = ran if ran.any() else np.ones_like(ran)
-    values, expected = assessment.signal(output)[rows][kept], truth(assessment, output)[rows][kept]
+    values = assessment.signal(output)[rows][kept]
+    expected = truth(assessment, output)[rows][kept] if has_truth else np.full_like(values, np.nan)
+    sure = estimate.confident(output.partition(".")[2])[rows][kept]
     error = values - expected
     level = float(np.mean(expected))
     return Score(
@@ -182,8 +197,10 @@ def _score(
         float(np.sqrt(np.mean(error**2))),
         float(np.mean(error)),
         float(np.mean(error)) / level if level else math.nan,
-        _settling(assessment, output, rows),
+        _settling(assessment, output, rows) if has_truth else math.nan,
         float(np.ptp(values)),
+        float(np.mean(values)),
+        float(np.min(values[sure])) if sure.any() else math.nan,
     )
 
 

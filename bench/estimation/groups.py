@@ -77,7 +77,9 @@ GROUPS: dict[str, Group] = {
             Case("wet, ABS", "stops/wet"),
             Case("wet, locked", "stops/wet", _NO_ABS),
             Case("jump to 0.3, ABS", "stops/mu_jump_down"),
+            Case("jump to 0.3, locked", "stops/mu_jump_down", _NO_ABS),
             Case("split, ABS", "stops/mu_split"),
+            Case("split, locked", "stops/mu_split", _NO_ABS),
         ),
         {
             "friction_ekf": {"torque_mode": "known"},
@@ -89,6 +91,7 @@ GROUPS: dict[str, Group] = {
             "force_ekf": {},
             "slip_slope_rls": {},
             "simple_braking": {},
+            "cornering_stiffness_rls": {},
         },
         (
             Figure("speed", "RMSE at most 0.3 m/s, on a tuned twin 0.05", f"{_FRICTION} 4.8 A5"),
@@ -116,8 +119,11 @@ GROUPS: dict[str, Group] = {
             Case("stop, dry, ABS", "stops/dry", _STATE_CAR),
             Case("stop, dry, locked", "stops/no_ecu", _STATE_CAR),
             Case("stop, wet, ABS", "stops/wet", _STATE_CAR),
+            Case("stop, wet, locked", "stops/wet", {**_STATE_CAR, **_NO_ABS}),
             Case("stop, jump, ABS", "stops/mu_jump_down", _STATE_CAR),
+            Case("stop, jump, locked", "stops/mu_jump_down", {**_STATE_CAR, **_NO_ABS}),
             Case("stop, split, ABS", "stops/mu_split", _STATE_CAR),
+            Case("stop, split, locked", "stops/mu_split", {**_STATE_CAR, **_NO_ABS}),
         ),
         {
             "vehicle_state_ukf": {},

@@ -4,6 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+WITHOUT_TRUTH = ("share", "smallest")
+"""Figures of a plan that need no true value."""
+
 
 @dataclass(frozen=True)
 class Level:
@@ -53,7 +56,8 @@ class RobustnessPlan:
     variants : mapping
         Estimators by their name here, with settings.
     quantities : mapping
-        Quantities that tables and charts show: name to ``rmse`` or ``relative`` (mean error over mean of the truth).
+        Quantities that tables and charts show: name to ``rmse`` or ``relative`` (mean error over mean of the truth);
+        of outputs without a truth ``share`` (of the phase, for flags) or ``smallest`` (while it is to be trusted).
     """
 
     scenario: str

@@ -10,7 +10,7 @@ from bench.estimation.comparison import Score, quantity_labels, score_estimate
 from bench.estimation.groups import Case
 from bench.estimation.made_runs import make_run
 from bench.estimation.offline import Request, run_offline
-from bench.estimation.perturbations import Level, Perturbation, RobustnessPlan
+from bench.estimation.perturbations import WITHOUT_TRUTH, Level, Perturbation, RobustnessPlan
 from bench.estimation.source import Source
 from bench.recording.arrays import RunArrays
 from bench.scenario.estimator_names import kind_of
@@ -66,7 +66,8 @@ def _scores(plan: RobustnessPlan, level: Level, source: Source) -> list[Score]:
     heard = replace(source, data=disturb(source.data, level.latency_ticks, level.lost_frames))
     estimates = run_offline(heard, load_vehicle(source.vehicle).numbers(), requests)
     case = Case(level.label, plan.scenario)
-    return [score for estimate in estimates for score in score_estimate(case, source, estimate, labels)]
+    also = {name for name, figure in plan.quantities.items() if figure in WITHOUT_TRUTH}
+    return [score for estimate in estimates for score in score_estimate(case, source, estimate, labels, also)]
 
 
 def _known(kind: str, settings: Mapping[str, Any]) -> dict[str, Any]:

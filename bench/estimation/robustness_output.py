@@ -13,8 +13,10 @@ from bench.report.plot_style import INK, plot_style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_COLOURS = ("#0b62c4", "#c2410c", "#0f7b4f", "#9333a8", "#515b6a", "#be185d")
+_COLOURS = ("#0b62c4", "#c2410c", "#0f7b4f", "#9333a8", "#515b6a", "#be185d", "#b45309")
 _NO_UNIT = "1"
+_WORDS = {"rmse": "RMSE", "relative": "mean error", "share": "share of the run", "smallest": "smallest"}
+_IN_PERCENT = ("relative", "share")
 _PANELS = 3
 """Panels in a row of a chart."""
 
@@ -40,19 +42,27 @@ def _find(scores: Sequence[Score], estimator: str, quantity: str) -> Score | Non
 
 
 def _value(score: Score, figure: str) -> float:
-    return score.rmse if figure == "rmse" else 100.0 * score.relative_error
+    return {
+        "rmse": score.rmse,
+        "relative": 100.0 * score.relative_error,
+        "share": 100.0 * score.mean,
+        "smallest": score.smallest_sure,
+    }[figure]
 
 
 def _shown(score: Score, figure: str) -> str:
-    return f"{score.rmse:.3g}" if figure == "rmse" else f"{100.0 * score.relative_error:+.1f} %"
+    value = _value(score, figure)
+    if math.isnan(value):
+        return "-"
+    return {"relative": f"{value:+.1f} %", "share": f"{value:.1f} %"}.get(figure, f"{value:.3g}")
 
 
 def _heading(result: PerturbationResult, quantity: str, figure: str) -> str:
     words = quantity.replace("_", " ")
-    if figure != "rmse":
-        return f"{words}, mean error"
+    if figure in ("relative", "share"):
+        return f"{words}, {_WORDS[figure]}"
     unit = next((s.unit for scores in result.scores.values() for s in scores if s.quantity == quantity), _NO_UNIT)
-    return f"{words}, RMSE" + ("" if unit == _NO_UNIT else f" in {unit}")
+    return f"{words}, {_WORDS[figure]}" + ("" if unit == _NO_UNIT else f" in {unit}")
 
 
 def draw(path: Path, plan: RobustnessPlan, result: PerturbationResult) -> None:
@@ -91,7 +101,9 @@ def _panel(axis: "Axes", plan: RobustnessPlan, result: PerturbationResult, quant
             axis.plot(range(len(labels)), values, "o-", color=colour, markersize=4)
     axis.set_xticks(range(len(labels)), labels)
     axis.set_xlim(-0.3, len(labels) - 0.7)
-    axis.set_ylabel(_heading(result, quantity, kind).replace("friction", "fr.") + (" in %" if kind != "rmse" else ""))
+    axis.set_ylabel(
+        _heading(result, quantity, kind).replace("friction", "fr.") + (" in %" if kind in _IN_PERCENT else "")
+    )
     if kind == "rmse":
         axis.set_ylim(bottom=0.0)
     else:

@@ -18,6 +18,7 @@ from bench.estimation.perturbations import (
     smaller_wheels,
 )
 from bench.estimation.robustness_cases import FRICTION_PLAN
+from bench.estimation.robustness_cornering import CORNERING_PLAN
 from signals.errors import unknown_name
 
 _DEGREE = 0.017453292519943295
@@ -158,6 +159,7 @@ _STATE_ONLY = (
 
 PLANS: dict[str, RobustnessPlan] = {
     "friction": FRICTION_PLAN,
+    "cornering": CORNERING_PLAN,
     "state": RobustnessPlan(
         "state/slalom_dry_asphalt",
         {},

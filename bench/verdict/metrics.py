@@ -9,7 +9,7 @@ import numpy as np
 from bench.recording.arrays import FloatArray
 from bench.verdict.assessment import Assessment, NoValueError
 from bench.verdict.functions import Rows, longest
-from bench.verdict.truth import truth_of
+from bench.verdict.truth import Truth, truth_of
 
 ONSET_SHARE = 0.1
 FRICTION_JUMP = 0.1
@@ -261,6 +261,15 @@ def truth(run: Assessment, estimate: str) -> FloatArray:
     compared = truth_of(estimate)
     if compared is None:
         raise NoValueError(f"the simulated car has no true value of {estimate}")
+    value = compared.sign * _combined(run, compared)
+    if not compared.over:
+        return value
+    divisor = np.sum([run.signal(name) for name in compared.over], axis=0)
+    # an axle without load carries no force either
+    return value / np.where(divisor == 0.0, 1.0, divisor)
+
+
+def _combined(run: Assessment, compared: Truth) -> FloatArray:
     signals = np.array([run.signal(name) for name in compared.signals])
     if compared.total:
         return signals.sum(axis=0)

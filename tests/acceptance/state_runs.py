@@ -5,6 +5,7 @@ then adds its own white noise to every new sample, where the sensor model adds i
 """
 
 import json
+import math
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
@@ -25,6 +26,8 @@ NOISE = {"longitudinal_acceleration": 0.05, "lateral_acceleration": 0.1, "yaw_ra
 WHEEL_NOISE = {f"wheel_speed_{wheel}": 0.02 for wheel in WHEELS}
 """rad/s, C.1 and AC-50; on top of the tone rings' own errors."""
 ALL_NOISE = {**NOISE, **WHEEL_NOISE}
+LAUNCH_NOISE = {name: noise / math.sqrt(5.0) for name, noise in WHEEL_NOISE.items()}
+"""C.1 as it was made: 0.02 rad/s in every step of 1 ms, nothing else; a frame of 5 ms tells the mean of five such."""
 TUNING_SEEDS = range(20)
 """Seeds with which the observers' own settings (source "assumed") were chosen; none of them judges."""
 SEEDS = range(9000, 9020)
@@ -115,3 +118,38 @@ def rmse_percent(truth: np.ndarray, estimate: np.ndarray) -> tuple[float, float]
     """Relative error of 4.1 [%]: over the mean of |x|, and over the mean of x as printed."""
     error = 100.0 * float(np.sqrt(np.mean((truth - estimate) ** 2)))
     return error / float(np.mean(np.abs(truth))), error / abs(float(np.mean(truth)))
+
+
+def errors_of(run: Drive, found: Replay) -> dict[str, tuple[float, float]]:
+    """Errors of a slalom [%] on both bases, from 1 s on; of each axle's slip angles and friction the worse wheel's."""
+    part = run["time"] > 1.0
+    errors = {
+        "a_y": rmse_percent(run["true_lateral_acceleration"][part], found["lateral_acceleration"][part]),
+        "yaw_rate": rmse_percent(run["true_yaw_rate"][part], found["yaw_rate"][part]),
+    }
+    for axle, wheels in (("front", ("fl", "fr")), ("rear", ("rl", "rr"))):
+        angles = [rmse_percent(run[f"slip_angle_{w}"][part], found[f"slip_angle_{w}"][part]) for w in wheels]
+        used = {w: run[f"lateral_force_{w}"] / run[f"vertical_load_{w}"] for w in wheels}
+        frictions = [rmse_percent(used[w][part], found[f"friction_used_lateral_{w}"][part]) for w in wheels]
+        errors[axle], errors[f"friction {axle}"] = max(angles), max(frictions)
+    return errors
+
+
+def true_share(run: Drive, event: dict[str, Any]) -> float:
+    """Share of the true peak that was in use when a fit was made."""
+    k, wheel = round(1e3 * event["time"]) - 1, event["wheel"]
+    force = "lateral" if event["direction"] == "lateral" else "longitudinal"
+    used = abs(run[f"{force}_force_{wheel}"][k] / run[f"vertical_load_{wheel}"][k])
+    return float(used / run[f"friction_limit_{wheel}"][k])
+
+
+def fits_of(run: Drive, found: Replay) -> list[dict[str, Any]]:
+    """Fits of a replay, each with the true share of the peak and the relative error of D."""
+    return [
+        {
+            **event,
+            "true_share": true_share(run, event),
+            "error": event["limit"] / run[f"friction_limit_{event['wheel']}"][1000] - 1.0,
+        }
+        for event in found.estimator.events()
+    ]

@@ -53,7 +53,7 @@ def test_outputs_have_their_deviation_or_confidence(name):
     assert len(names) == len(description.outputs)
     for output in description.compared():
         assert f"{output.name}_std" in names or f"{output.name}_confidence" in names
-        assert set(output.references + output.weights) <= known
+        assert set(output.references + output.weights + output.over) <= known
         assert len(output.weights) in (0, len(output.references))
     settings = description.settings()
     assert set(description.inputs(settings)) <= {s.name for s in catalogue() if s.block == "bus"}

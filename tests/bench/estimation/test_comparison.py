@@ -17,6 +17,7 @@ from bench.estimation.robustness_output import draw, table
 from bench.estimation.robustness_plans import PLANS, plan_of
 from bench.scenario.estimator_names import kind_of
 from bench.scenario.resolution import resolve
+from bench.verdict.truth import truth_of
 from signals.errors import InputError
 from vehicle_model.vehicle_file import load_vehicle
 
@@ -52,10 +53,17 @@ def test_unknown_group_names_the_nearest():
 
 def test_outputs_of_one_truth_are_one_quantity():
     labels = quantity_labels(["friction_ekf", "slip_slope_rls", "force_ekf"])
-    slip_slope = {output.name: output for output in estimators.describe("slip_slope_rls").compared()}
-    limit = slip_slope["friction_limit"]
-    assert labels[(limit.references, limit.weights, limit.total)] == "friction_limit_mean"
+    limit = truth_of("slip_slope_rls.friction_limit")
+    assert labels[limit] == "friction_limit_mean"
     assert "force_front" in labels.values()
+
+
+def test_a_name_of_two_truths_is_two_quantities():
+    """The friction in use of the filter is along the wheel, that of the cornering-stiffness method across."""
+    labels = quantity_labels(["friction_ekf", "cornering_stiffness_rls"])
+    assert labels[truth_of("friction_ekf.friction_used_front")] == "friction_used_front"
+    across = truth_of("cornering_stiffness_rls.friction_used_front")
+    assert labels[across] == "friction_used_front_cornering_stiffness_rls"
 
 
 def test_scores_by_hand(source):

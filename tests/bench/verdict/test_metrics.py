@@ -247,3 +247,20 @@ def test_truth_of_an_axle_is_weighted_by_the_wheels_loads() -> None:
     from bench.verdict.metrics import truth
 
     assert truth(Assessment(data), "friction_ekf.friction_limit_front") == pytest.approx(0.65)
+
+
+def test_truth_of_side_friction_is_the_axles_force_over_its_load() -> None:
+    """Both wheels' 1800 N over 6000 N; a slip angle of -2 deg in ISO 8855 is +2 deg for the estimator."""
+    from bench.verdict.metrics import truth
+
+    data = stop(
+        lateral_force_fl=lambda t: np.full_like(t, 1500.0),
+        lateral_force_fr=lambda t: np.full_like(t, 300.0),
+        vertical_load_fl=lambda t: np.full_like(t, 4000.0),
+        vertical_load_fr=lambda t: np.full_like(t, 2000.0),
+        slip_angle_fl=lambda t: np.full_like(t, -0.04),
+        slip_angle_fr=lambda t: np.full_like(t, -0.02),
+    )
+    run = Assessment(data)
+    assert truth(run, "cornering_stiffness_rls.friction_used_front") == pytest.approx(0.3)
+    assert truth(run, "cornering_stiffness_rls.slip_angle_front") == pytest.approx(0.03)
