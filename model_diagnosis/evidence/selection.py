@@ -21,6 +21,10 @@ FloatArray = NDArray[np.float64]
 MAXIMUM_EFFECTS = 3
 SWAPS_TRIED = 2
 
+LATER_SHARE = 0.02
+"""Share of the first cause's evidence that a further one needs: the law of an effect is right to a tenth or so of its
+size, and evidence goes with the square of what it leaves."""
+
 
 @dataclass
 class Accepted:
@@ -76,13 +80,13 @@ class Selector:
         chosen: list[Hypothesis] = []
         fit, linearisation = nothing, at_nothing
         stages: list[Stage] = []
-        left = -np.inf
+        left, needed = -np.inf, self.needed
         for step in range(MAXIMUM_EFFECTS + 1):
             self.tell(f"effect {step + 1}", step / (MAXIMUM_EFFECTS + 1))
             stage = self.search.stage(chosen, fit, linearisation)
             stage = self.search.refit(stage, self.search.candidates(stage, saturated if step == 0 else None))
             stages.append(stage)
-            found = self._acceptable(stage)
+            found = self._acceptable(stage, needed)
             if step == 0:
                 nothing = stage.nothing_more
             fit, linearisation = stage.nothing_more, stage.linearisation
@@ -91,6 +95,7 @@ class Selector:
                 break
             best, linearisation = found
             fit = best.fit
+            needed = max(needed, LATER_SHARE * best.evidence) if step == 0 else needed
             chosen = [*chosen, best.hypothesis]
             self.decisions.append(f"accepted {self.name(best.hypothesis)}, log Bayes factor {best.evidence:.1f}")
             if len(chosen) > 1:
@@ -104,13 +109,13 @@ class Selector:
         columns = [self.problem.replay.columns[column] for column in hypothesis.columns]
         return columns[0] if len(columns) == 1 and len(effect.parameters) > 1 else effect.name
 
-    def _acceptable(self, stage: Stage) -> tuple[Refit, Linearisation] | None:
+    def _acceptable(self, stage: Stage, needed: float) -> tuple[Refit, Linearisation] | None:
         """Best refit that passes threshold, BIC_eff and the held-out check, and the sensitivities at it."""
         for rough in sorted(stage.refits, key=lambda one: -one.evidence):
-            if rough.evidence <= self.needed:
+            if rough.evidence <= needed:
                 return None
             refit, linearisation = self.search.polished(stage, rough)
-            if refit.evidence <= self.needed:
+            if refit.evidence <= needed:
                 self.decisions.append(
                     f"refused {self.name(refit.hypothesis)}: {refit.evidence:.1f} is left of {rough.evidence:.1f} once "
                     "both fits have converged"
