@@ -18,6 +18,9 @@ FloatArray = NDArray[np.float64]
 FROM_BASE, FROM_SATURATED, FROM_GRID = 3, 2, 3
 GRID = (-1.5, -0.75, 0.75, 1.5)
 CORRELATED_NUISANCES = 12
+EQUAL_DIGITS = 3
+"""Decimals to which log evidences are compared."""
+
 RESTART_GAIN = 4.0
 """Cost that a restart of "nothing more" has to gain for everything to be fitted once more from there."""
 
@@ -289,7 +292,9 @@ class Search:
         """Best hypotheses of the ``count`` best effects; of a discrete effect every value."""
         best: dict[int, list[int]] = {}
         open_ones = [number for number in open_ones if np.isfinite(evidence[number])]
-        for number in sorted(open_ones, key=lambda one: -evidence[one]):
+        # of equals the one with fewer deviations: a column that the data does not show adds nothing but its name
+        fewest = [len(self.hypotheses[number].columns) for number in range(len(evidence))]
+        for number in sorted(open_ones, key=lambda one: (-round(float(evidence[one]), EQUAL_DIGITS), fewest[one])):
             known = best.setdefault(self.hypotheses[number].effect, [])
             if not known or self.hypotheses[number].value is not None:
                 known.append(number)
