@@ -168,7 +168,9 @@ class Search:
                 again = self._refit_one(stage, Candidate(hypothesis, (start, known[0].theta)))
                 fits[hypothesis] = min(known, again, key=lambda one: one[0].cost)
             self._restart(stage, fits)
-        if self._catch_up(stage, fits) and self._restart(stage, fits):
+        # beside an accepted effect what is left is small: there the deepest minimum of columns that the data hardly
+        # tell is that of the noise that came through the observer, and a surplus cause
+        if not stage.accepted and self._catch_up(stage, fits) and self._restart(stage, fits):
             self._catch_up(stage, fits)
         stage.refits = [
             Refit(hypothesis, fit, self._score(stage, hypothesis, fit, parts), parts)
