@@ -53,8 +53,9 @@ MEMORY = np.dtype(
         *((name, "f8", (4,)) for name in ("pressure", "piston", "torque", "opening_in", "opening_out", "released")),
         *((name, "f8", (4,)) for name in ("disc", "tread", "inlet", "outlet", "rim", "rim_before", "rim_rate")),
         *((name, "i8", (4,)) for name in ("phase", "timer")),
+        *((name, "f8") for name in ("reference", "master", "delta", "distance", "stop_energy", "work", "pump")),
+        ("aligning", "f8"),
         ("volumes", "f8", (2,)),
-        *((name, "f8") for name in ("reference", "master", "delta", "distance", "stop_energy", "work", "pump", "aligning")),
     ]
 )
 """States of the car, its brakes and its controller; made outside compiled code, which does not keep records alive."""
