@@ -2,7 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import pi
 from typing import Any
+
+DEGREE = pi / 180
+"""One degree [rad]."""
 
 WITHOUT_TRUTH = ("share", "smallest")
 """Figures of a plan that need no true value."""
@@ -94,9 +98,53 @@ def offsets(name: str, title: str, path: str, sizes: Mapping[str, float]) -> Per
     return Perturbation(name, title, (AS_ASSUMED, *(Level(label, {path: size}) for label, size in sizes.items())))
 
 
+LONGITUDINAL_OFFSET = offsets(
+    "accelerometer_offset",
+    "the longitudinal accelerometer has an offset",
+    "sensors.longitudinal_acceleration.offset",
+    {"0.1 m/s²": 0.1, "0.3 m/s²": 0.3},
+)
+LATERAL_OFFSET = offsets(
+    "lateral_accelerometer_offset",
+    "the lateral accelerometer has an offset",
+    "sensors.lateral_acceleration.offset",
+    {"0.1 m/s²": 0.1, "0.3 m/s²": 0.3},
+)
+YAW_OFFSET = offsets(
+    "yaw_gyroscope_offset",
+    "the yaw gyroscope has an offset",
+    "sensors.yaw_rate.offset",
+    {"0.5 deg/s": 0.5 * DEGREE, "2 deg/s": 2 * DEGREE},
+)
+BANK = offsets("bank", "the road is banked", "road.bank", {"2 %": 0.02, "5 %": 0.05})
+
+
 def noise(factors: Mapping[str, Mapping[str, float]]) -> Perturbation:
     levels = (Level(label, dict(numbers)) for label, numbers in factors.items())
     return Perturbation("sensor_noise", "the sensors are noisier", (AS_ASSUMED, *levels))
+
+
+def braking_noise(factor: float) -> dict[str, float]:
+    """Noise of longitudinal accelerometer and tone rings, as a multiple of what the scenarios assume."""
+    return {
+        "sensors.longitudinal_acceleration.noise": 0.05 * factor,
+        "sensors.wheel_speed.edge_jitter": 1e-6 * factor,
+        "sensors.wheel_speed.pitch_error": 0.003 * factor,
+    }
+
+
+def inertial_noise(factor: float) -> dict[str, float]:
+    """The same with lateral accelerometer and yaw gyroscope."""
+    return {
+        **braking_noise(factor),
+        "sensors.lateral_acceleration.noise": 0.05 * factor,
+        "sensors.yaw_rate.noise": 0.002 * factor,
+    }
+
+
+def lateral_stiffness(front: float, rear: float) -> dict[str, float]:
+    """Other stiffness of the lateral tyre curves, by axle."""
+    return {"tyres.front.lateral.stiffness": front, "tyres.rear.lateral.stiffness": rear}
 
 
 def smaller_wheels(**radii: float) -> Perturbation:

@@ -1,7 +1,5 @@
 """What the friction group is tried on: a stop of its own car."""
 
-from typing import Any
-
 from bench.estimation.perturbations import (
     AS_ASSUMED,
     GRADE,
@@ -11,6 +9,7 @@ from bench.estimation.perturbations import (
     Perturbation,
     RobustnessPlan,
     adaptive_damper,
+    braking_noise,
     mass,
     noise,
     offsets,
@@ -22,13 +21,8 @@ def _tyres(**numbers: float) -> dict[str, float]:
     return {f"tyres.{name.replace('__', '.longitudinal.')}": value for name, value in numbers.items()}
 
 
-def _noise(factor: float) -> dict[str, Any]:
-    return {
-        "sensors.longitudinal_acceleration.noise": 0.05 * factor,
-        "sensors.brake_pressure.noise": 1e4 * factor,
-        "sensors.wheel_speed.edge_jitter": 1e-6 * factor,
-        "sensors.wheel_speed.pitch_error": 0.003 * factor,
-    }
+def _noise(factor: float) -> dict[str, float]:
+    return {**braking_noise(factor), "sensors.brake_pressure.noise": 1e4 * factor}
 
 
 _FRICTION = (

@@ -5,13 +5,20 @@ from typing import Any
 from bench.estimation.groups import ONE_FILTERS_OWN_NOISE
 from bench.estimation.perturbations import (
     AS_ASSUMED,
+    BANK,
+    DEGREE,
     GRADE,
     LATENCY,
+    LATERAL_OFFSET,
+    LONGITUDINAL_OFFSET,
     LOST_FRAMES,
+    YAW_OFFSET,
     Level,
     Perturbation,
     RobustnessPlan,
     adaptive_damper,
+    inertial_noise,
+    lateral_stiffness,
     mass,
     noise,
     offsets,
@@ -21,40 +28,18 @@ from bench.estimation.robustness_cases import FRICTION_PLAN
 from bench.estimation.robustness_cornering import CORNERING_PLAN
 from signals.errors import unknown_name
 
-_DEGREE = 0.017453292519943295
+
+def _noise(factor: float) -> dict[str, float]:
+    return {**inertial_noise(factor), "sensors.roll_rate.noise": 0.005 * factor}
 
 
-def _inertial_noise(factor: float) -> dict[str, Any]:
-    return {
-        "sensors.longitudinal_acceleration.noise": 0.05 * factor,
-        "sensors.lateral_acceleration.noise": 0.05 * factor,
-        "sensors.yaw_rate.noise": 0.002 * factor,
-        "sensors.roll_rate.noise": 0.005 * factor,
-        "sensors.wheel_speed.edge_jitter": 1e-6 * factor,
-        "sensors.wheel_speed.pitch_error": 0.003 * factor,
-    }
-
-
-_NOISE = noise({"x 2": _inertial_noise(2.0), "x 5": _inertial_noise(5.0)})
-_LATERAL_OFFSET = offsets(
-    "lateral_accelerometer_offset",
-    "the lateral accelerometer has an offset",
-    "sensors.lateral_acceleration.offset",
-    {"0.1 m/s²": 0.1, "0.3 m/s²": 0.3},
-)
-_YAW_OFFSET = offsets(
-    "yaw_gyroscope_offset",
-    "the yaw gyroscope has an offset",
-    "sensors.yaw_rate.offset",
-    {"0.5 deg/s": 0.5 * _DEGREE, "2 deg/s": 2 * _DEGREE},
-)
+_NOISE = noise({"x 2": _noise(2.0), "x 5": _noise(5.0)})
 _ROLL_OFFSET = offsets(
     "roll_gyroscope_offset",
     "the roll gyroscope has an offset",
     "sensors.roll_rate.offset",
-    {"0.2 deg/s": 0.2 * _DEGREE, "1 deg/s": _DEGREE},
+    {"0.2 deg/s": 0.2 * DEGREE, "1 deg/s": DEGREE},
 )
-_BANK = offsets("bank", "the road is banked", "road.bank", {"2 %": 0.02, "5 %": 0.05})
 _LESS_GRIP: dict[str, Any] = {"road.jumps": [{"time": "10 s", "friction": 0.6, "transition_time": "0.1 s"}]}
 _LINE = (LATENCY, LOST_FRAMES)
 
@@ -89,27 +74,15 @@ def _friction_falls(second: int, where: str) -> Perturbation:
     return Perturbation("grip_jump", f"the grip falls in the {where}", (AS_ASSUMED, *levels))
 
 
-_LONGITUDINAL_OFFSET = offsets(
-    "accelerometer_offset",
-    "the longitudinal accelerometer has an offset",
-    "sensors.longitudinal_acceleration.offset",
-    {"0.1 m/s²": 0.1, "0.3 m/s²": 0.3},
-)
-
 # the state group's own: a slalom at 60 km/h, and where braking is what matters a stop of the same car
 _STATE_STOP = "stops/dry"
 _STATE_CAR: dict[str, Any] = {"vehicle": "lada_vesta_assumed_steering"}
 _PRESSURES = {"longitudinal": {"brake_torque": "pressure"}}
 
-
-def _lateral_stiffness(front: float, rear: float) -> dict[str, float]:
-    return {"tyres.front.lateral.stiffness": front, "tyres.rear.lateral.stiffness": rear}
-
-
 _STATE_ONLY = (
     smaller_wheels(fl=0.3015, fr=0.3015, rl=0.3023, rr=0.3023),
     GRADE,
-    _LONGITUDINAL_OFFSET,
+    LONGITUDINAL_OFFSET,
     adaptive_damper("planar car"),
     Perturbation(
         "unknown_torque",
@@ -137,9 +110,9 @@ _STATE_ONLY = (
         "other rubber: the stiffness of the lateral curve",
         (
             AS_ASSUMED,
-            Level("softer", _lateral_stiffness(5.0, 6.3)),
-            Level("two kinds", _lateral_stiffness(7.2, 18.0)),
-            Level("harder", _lateral_stiffness(14.4, 18.0)),
+            Level("softer", lateral_stiffness(5.0, 6.3)),
+            Level("two kinds", lateral_stiffness(7.2, 18.0)),
+            Level("harder", lateral_stiffness(14.4, 18.0)),
         ),
     ),
     Perturbation(
@@ -172,7 +145,7 @@ PLANS: dict[str, RobustnessPlan] = {
             "speed": "rmse",
             "road_grade": "rmse",
         },
-        (mass(1559.0), _LATERAL_OFFSET, _YAW_OFFSET, _NOISE, *_LINE, *_STATE_ONLY),
+        (mass(1559.0), LATERAL_OFFSET, YAW_OFFSET, _NOISE, *_LINE, *_STATE_ONLY),
     ),
     "load": RobustnessPlan(
         "state/vertical_load_lane_change",
@@ -183,13 +156,13 @@ PLANS: dict[str, RobustnessPlan] = {
             mass(1862.0, two_track__sprung_mass=1592.0),
             _CENTRE_OF_GRAVITY,
             _ROLL_OFFSET,
-            _LATERAL_OFFSET,
+            LATERAL_OFFSET,
             _NOISE,
             _UNEQUAL_TRACKS,
             *_LINE,
             smaller_wheels(fl=0.347, fr=0.347, rl=0.347, rr=0.347),
             GRADE,
-            _LONGITUDINAL_OFFSET,
+            LONGITUDINAL_OFFSET,
             _friction_falls(2, "lane change"),
             adaptive_damper("own car"),
             Perturbation(
@@ -213,7 +186,7 @@ PLANS: dict[str, RobustnessPlan] = {
         {"force_total": "rmse", "lateral_speed": "rmse"},
         (
             mass(700.0),
-            _YAW_OFFSET,
+            YAW_OFFSET,
             _NOISE,
             *_LINE,
             smaller_wheels(fl=0.27, fr=0.27, rl=0.27, rr=0.27),
@@ -242,15 +215,15 @@ PLANS: dict[str, RobustnessPlan] = {
         {"roll_angle": "rmse", "side_slip_angle": "rmse"},
         (
             mass(1296.0),
-            _BANK,
-            _LATERAL_OFFSET,
+            BANK,
+            LATERAL_OFFSET,
             _ROLL_OFFSET,
-            _YAW_OFFSET,
+            YAW_OFFSET,
             *_LINE,
             _NOISE,
             smaller_wheels(fl=0.278, fr=0.278, rl=0.278, rr=0.278),
             GRADE,
-            _LONGITUDINAL_OFFSET,
+            LONGITUDINAL_OFFSET,
             Perturbation(
                 "adaptive_damper",
                 "the dampers are adaptive",

@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -238,18 +238,6 @@ class Replay:
         nominal, unit = nominal_value(parameter, self._values)
         value = nominal * (1.0 + deviation) if parameter.relative else nominal + deviation
         return value, unit, nominal
-
-    @cached_property
-    def excitation(self) -> FloatArray:
-        """How much this data shows of each column (p,): change of all signals, in their sensors' noise, by one effect
-        width; root of the sum of squares. Below about 3 the data says nothing."""
-        total = np.zeros(len(self.columns))
-        widths = np.array([parameter.effect_std for parameter in self.parameters])
-        for prepared, values in zip(self.prepared, self.sensitivities(np.zeros(len(self.columns))), strict=True):
-            noise = np.array([self.sensor_std(signal) for signal in prepared.signals])
-            shown = values / noise[None, :, None] * prepared.weights[:, :, None]
-            total += np.einsum("ncp,ncp->p", shown, shown)
-        return np.sqrt(total) * widths
 
     def _index(self, column: str | int) -> int:
         if isinstance(column, str):

@@ -59,8 +59,19 @@ def test_a_sweep_is_the_same_in_parts_and_on_one_thread(replay: Replay) -> None:
             assert np.array_equal(alone[m][:, :, 0], together[m][:, :, place])
 
 
-def test_excitation_tells_what_the_drives_show(replay: Replay) -> None:
-    excited = dict(zip(replay.columns, replay.excitation, strict=True))
+def _shown(replay: Replay) -> dict[str, float]:
+    """Change of all signals in their sensors' noise by one effect width, root of the sum of squares, by column."""
+    total = np.zeros(len(replay.columns))
+    for prepared, values in zip(replay.prepared, replay.sensitivities(np.zeros(len(total))), strict=True):
+        noise = np.array([replay.sensor_std(signal) for signal in prepared.signals])
+        shown = values / noise[None, :, None] * prepared.weights[:, :, None]
+        total += np.einsum("ncp,ncp->p", shown, shown)
+    widths = np.array([parameter.effect_std for parameter in replay.parameters])
+    return dict(zip(replay.columns, np.sqrt(total) * widths, strict=True))
+
+
+def test_sensitivities_tell_what_the_drives_show(replay: Replay) -> None:
+    excited = _shown(replay)
     # no disc came near its fade temperature, no valve command and no step of friction is in these logs
     for column in ("brake_pad_fade.temperature", "inlet_valve_delay.delay", "mu_step.place", "pump_rate.factor"):
         assert excited[column] < 1e-9
