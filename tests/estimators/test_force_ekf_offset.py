@@ -30,7 +30,7 @@ def test_an_offset_is_told_by_rolling_wheels(offset, record):
     estimate, true, rows = estimate_of({}, sensors__longitudinal_acceleration__offset=offset)
     error = rms(estimate.output("speed")[rows] - true[rows])
     told = float(estimate.output("acceleration_offset")[rows.start])
-    record(f"offset {offset} m/s^2: speed, RMSE in m/s", error, "< 0.2: without an offset the document's rows have 0.19")
+    record(f"offset {offset} m/s^2: speed, RMSE in m/s", error, "< 0.2: the document's rows without an offset")
     record(f"offset {offset} m/s^2: told at the brake, m/s^2", told, "within 0.05")
     assert error < 0.2
     # white noise of 0.05 m/s^2 every 5 ms, followed for 0.15 s, leaves 0.01; the rest are drag and rim speeds
