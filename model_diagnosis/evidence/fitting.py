@@ -15,6 +15,7 @@ from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.replay_model import ReplayModel
 from model_diagnosis.evidence.whitening import Whitener, huber_loss, huber_weights
+from model_diagnosis.replay.hydraulic import acts_on_pressures
 
 FloatArray = NDArray[np.float64]
 
@@ -22,6 +23,9 @@ MAXIMUM_STEPS = 12
 SHORTENINGS = 3
 SHORTEST, LONGEST = 0.1, 0.6
 """Least and largest share of a step that did not lower the cost, tried next."""
+
+MOST_BOUNDS = 30
+"""Rounds in which columns that a step carries over their bounds are held there."""
 
 COST_TOLERANCE = 0.1
 """A step that lowers the cost (twice the negative log posterior) by less, or promises less, ends a fit."""
@@ -164,7 +168,9 @@ class Problem:
             promised = float(gradient @ step)
             if promised < COST_TOLERANCE:
                 break
-            found = self._shorten(theta, step * self.scale, cost, widths, promised)
+            found = self._moved(theta, step * self.scale, cost, widths, promised)
+            if found is None:
+                found = self._by_parts(curvature, gradient, theta, cost, widths, fixed)
             if found is None:
                 break
             gained = cost - found[2]
@@ -180,15 +186,54 @@ class Problem:
         )
 
     def _step(self, curvature: FloatArray, gradient: FloatArray, theta: FloatArray, fixed: Sequence[int]) -> FloatArray:
-        """Newton step (p,) of z with the columns at a bound that the gradient pushes against held."""
-        free = ~(((theta <= self.priors.low) & (gradient < 0.0)) | ((theta >= self.priors.high) & (gradient > 0.0)))
-        free[list(fixed)] = False
-        step = np.zeros(len(theta))
-        chosen = np.flatnonzero(free)
-        step[chosen] = cho_solve(cho_factor(curvature[np.ix_(chosen, chosen)]), gradient[chosen])
-        return step
+        """Newton step (p,) of z to the lowest point of the parabola within the bounds.
 
-    def _shorten(
+        Columns that the step would carry over a bound go to it, and the others follow that; cut off afterwards, what
+        moves together would be torn apart and the step lead uphill.
+        """
+        low, high = (self.priors.low - theta) / self.scale, (self.priors.high - theta) / self.scale
+        step = np.zeros(len(theta))
+        held = ((low >= 0.0) & (gradient < 0.0)) | ((high <= 0.0) & (gradient > 0.0))
+        held[list(fixed)] = True
+        for _ in range(MOST_BOUNDS):
+            free, stuck = np.flatnonzero(~held), np.flatnonzero(held)
+            rest = gradient[free] - curvature[np.ix_(free, stuck)] @ step[stuck]
+            step[free] = cho_solve(cho_factor(curvature[np.ix_(free, free)]), rest)
+            over = ~held & ((step < low) | (step > high))
+            if not over.any():
+                break
+            step = np.clip(step, low, high)
+            held |= over
+        step[list(fixed)] = 0.0
+        return np.asarray(np.clip(step, np.minimum(low, 0.0), np.maximum(high, 0.0)))
+
+    def _by_parts(
+        self,
+        curvature: FloatArray,
+        gradient: FloatArray,
+        theta: FloatArray,
+        cost: float,
+        widths: FloatArray,
+        fixed: Sequence[int],
+    ) -> tuple[FloatArray, list[FloatArray], float] | None:
+        """One step for the columns of the hydraulics and one for all others: the former's pressures have kinks, and
+        what the car does beyond measured pressures need not stop at them. None where neither lowers the cost."""
+        found = None
+        pressures = np.array([acts_on_pressures(column) for column in self.replay.columns])
+        for part in (~pressures, pressures):
+            if not part.any() or part.all():
+                return None
+            held = sorted({*fixed, *np.flatnonzero(~part).tolist()})
+            step = self._step(curvature, gradient, theta, held)
+            promised = float(gradient @ step)
+            if promised < COST_TOLERANCE:
+                continue
+            lower = self._moved(theta, step * self.scale, cost, widths, promised)
+            if lower is not None:
+                theta, _, cost = found = lower
+        return found
+
+    def _moved(
         self, theta: FloatArray, step: FloatArray, cost: float, widths: FloatArray, promised: float
     ) -> tuple[FloatArray, list[FloatArray], float] | None:
         """First of ever shorter steps that lowers the cost; None where none does.

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import lru_cache
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +36,7 @@ _THRESHOLD = "hydraulics.pressure_change_threshold"
 _EVERY_CHANGE_PA = 1e3
 _PUMP_SAMPLES = 50
 _VALVES = ("inlet", "outlet")
+_WHOLE = 1e-9
 _UNITS_KEPT = 64
 
 HYDRAULIC_COLUMNS: Mapping[str, EffectParameter] = {
@@ -220,21 +220,43 @@ def _lagged(values: FloatArray, time_constant: float) -> FloatArray:
 
 
 def _whole_delays(values: Mapping[str, float]) -> list[tuple[FloatArray, dict[str, float]]]:
-    """The unit's dead times are whole milliseconds: shares (4,) of the runs between which the pressures are blended."""
-    ways = []
+    """The unit's dead times are whole milliseconds: shares (4,) of the runs whose pressures are blended.
+
+    Three neighbours are blended by a quadratic spline, whose slope has no jumps that a fit could rest in; what inlet
+    and outlet valves add is summed. A dead time of -1 ms goes on in a straight line from 0 and 1.
+    """
+    whole, shares = {}, {}
     for valve in _VALVES:
         steps = np.array([values[f"hydraulics.{valve}_delay_{wheel}"] for wheel in WHEELS]) / STEP_S
-        whole = np.floor(steps + 1e-9)
-        part = np.maximum(steps - whole, 0.0)
-        ways.append([(1.0 - part, whole), (part, whole + 1.0)] if part.max() > 1e-9 else [(np.ones(4), whole)])
-    runs = []
-    for (inlet_share, inlet), (outlet_share, outlet) in product(*ways):
-        delays: dict[str, float] = {}
-        for i, wheel in enumerate(WHEELS):
-            delays[f"hydraulics.inlet_delay_{wheel}"] = float(inlet[i]) * STEP_S
-            delays[f"hydraulics.outlet_delay_{wheel}"] = float(outlet[i]) * STEP_S
-        runs.append((inlet_share * outlet_share, delays))
-    return runs
+        whole[valve] = np.round(steps)
+        part = steps - whole[valve]
+        if np.max(np.abs(part)) < _WHOLE:
+            continue
+        earlier, later = 0.5 * (0.5 - part) ** 2, 0.5 * (0.5 + part) ** 2
+        first = whole[valve] < 1.0
+        shares[valve] = {
+            -1: np.where(first, 0.0, earlier),
+            0: 1.0 - earlier - later + np.where(first, 2.0 * earlier, 0.0),
+            1: later - np.where(first, earlier, 0.0),
+        }
+    runs: dict[tuple[int, int], FloatArray] = {}
+    for column, valve in enumerate(_VALVES):
+        for shift, share in shares.get(valve, {0: np.ones(4)}).items():
+            run = (shift, 0) if column == 0 else (0, shift)
+            runs[run] = runs.get(run, np.zeros(4)) + share
+    runs[0, 0] = runs[0, 0] - 1.0
+    return [
+        (
+            share,
+            {
+                f"hydraulics.{valve}_delay_{wheel}": max(float(whole[valve][i]) + shift, 0.0) * STEP_S
+                for valve, shift in zip(_VALVES, shifts, strict=True)
+                for i, wheel in enumerate(WHEELS)
+            },
+        )
+        for shifts, share in runs.items()
+        if share.any()
+    ]
 
 
 def reported_pressure(deviations: Mapping[str, float], true: FloatArray) -> FloatArray:

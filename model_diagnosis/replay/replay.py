@@ -50,6 +50,11 @@ _FREE = np.zeros(len(_GAINS) + 1)
 
 _CARS_KEPT = 256
 
+_STEPS_SHARE = 0.5
+"""Share of the misfit by flow that one by steps must not exceed: such a unit follows its own pressures to their noise.
+
+Its steps jump with deviations, and fits end before a jump."""
+
 _STEP_SHARE = 0.05
 """Step of a finite difference over the effect's width."""
 
@@ -128,10 +133,11 @@ class Replay:
         self._tables = lru_cache(maxsize=_CARS_KEPT)(self._make_tables)
         nominal = self._record_at({})[0]
         self.prepared = [prepare(manoeuvre, vehicle, nominal) for manoeuvre in self.manoeuvres]
-        by_steps = self._pressure_misfit()
+        by_steps = self._pressure_misfit({})
         self.hydraulics.flows = True
-        # which of the two the measured car has is a matter of form: the nearer one is taken, for all manoeuvres alike
-        self.hydraulics.flows = self._pressure_misfit() < by_steps
+        # which of the two the car has is a matter of form; a throttled return too rests above its supply
+        throttled = {"form_return.lag": HYDRAULIC_COLUMNS["form_return.lag"].nuisance_std}
+        self.hydraulics.flows = by_steps > _STEPS_SHARE * min(map(self._pressure_misfit, ({}, throttled)))
 
     @property
     def tyre_error(self) -> tuple[float, float]:
@@ -269,13 +275,13 @@ class Replay:
         least = None if free else prepared.pressure_least
         return self.hydraulics.wheels(deviations, log, measured, prepared.pressure_valid, gain, noise, least)
 
-    def _pressure_misfit(self) -> float:
-        """Sum of squares of what the hydraulic unit without deviations leaves of the wheels' pressures [Pa^2]."""
+    def _pressure_misfit(self, deviations: Mapping[str, float]) -> float:
+        """Sum of squares of what the hydraulic unit leaves of the wheels' pressures [Pa^2]."""
         total = 0.0
         for prepared in self.prepared:
             if not prepared.replays_pressures:
                 continue
-            predicted = self.wheel_pressures({}, prepared)
+            predicted = self.wheel_pressures(deviations, prepared)
             assert predicted is not None
             places = [prepared.signals.index(name) for name in PRESSURES]
             left = prepared.weights[:, places] * (prepared.measured[:, places] - predicted)

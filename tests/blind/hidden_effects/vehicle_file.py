@@ -6,6 +6,7 @@ from hidden_effects.car import DATA_SHEET, scatter_table
 from hidden_effects.sensors import CHANNELS, SENSOR_SHEET
 
 BASE_CAR = "ekf_car"
+SHORTEST_WINDOW_S = 0.001
 
 
 def _tyre(rear: bool) -> dict[str, Any]:
@@ -69,6 +70,7 @@ def vehicle_file() -> dict[str, Any]:
         section: {"noise": CHANNELS[name].noise, "resolution": CHANNELS[name].resolution}
         for section, name in noisy.items()
     }
+    sensors["wheel_speed"] = {"window": SHORTEST_WINDOW_S}  # the hidden car's wheel speeds are read at their instants
     scatter = scatter_table() | _sensor_scatter()
     return {
         "format": 1,
