@@ -40,6 +40,13 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         EffectParameter("pitch", "m", -0.2, 0.4, 0.25, 0.25, relative=False),
     ),
     _form(
+        "form_pitch_pole",
+        Group.BODY,
+        "the body pitches about a point d of the way from its centre of gravity to the springs' centre (1: no heave)",
+        ("pitch_rate",),
+        EffectParameter("share", "1", -0.5, 1.5, 1.0, 1.0),
+    ),
+    _form(
         "form_transient",
         Group.TYRE,
         "a share d of the relaxation lengths lets the force follow, the rest lets the slip: apart near the limit",
@@ -112,6 +119,9 @@ FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
     ),
 )
 """Those that act before the wheel brakes."""
+
+OTHER_FORMS = {"form_transient.share": 1.0}
+"""Columns that stand for a choice between two forms, and their value in the other one; between the two no way leads."""
 
 FORM_NAMES = frozenset(effect.name for effect in (*FORM_EFFECTS, *FORM_HYDRAULICS_EFFECTS))
 """Names of effects that are no causes."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.effects.form import OTHER_FORMS
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.replay_model import ReplayModel
@@ -48,6 +49,7 @@ def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = No
     Three sweeps of sensitivities: at neutral, at the base fit and at the saturated fit.
     """
     tell = progress or (lambda _step, _share: None)
+    priors = nearer_form(replay, priors)
     neutral = np.clip(priors.centre, priors.low, priors.high)
     tell("sensitivities at the vehicle file", 0.0)
     crude = Problem(replay, priors, sensor_whitener(replay))
@@ -80,6 +82,21 @@ def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = No
     tell("base", 1.0)
     at_neutral = problem.linearise(neutral, at_file)
     return Base(problem, nothing, saturated, at_neutral, at_nothing, at_saturated)
+
+
+def nearer_form(replay: ReplayModel, priors: Priors) -> Priors:
+    """Priors whose centre has, of two forms without a way between them, the one whose residual is predicted better."""
+
+    def left(theta: FloatArray) -> float:
+        return fit_whitener(replay, replay.residuals(theta)).log_sigma()
+
+    centre = np.clip(priors.centre, priors.low, priors.high)
+    for column, value in OTHER_FORMS.items():
+        if column in replay.columns:
+            other = centre.copy()
+            other[replay.columns.index(column)] = value
+            centre = min(centre, other, key=left)
+    return replace(priors, centre=centre)
 
 
 def _converged(problem: Problem, chord: Linearisation, start: Fit) -> tuple[Fit, Linearisation]:

@@ -2,7 +2,8 @@
 
 Compression of a corner c = -z + x theta - y phi (theta nose down, phi left side up). Spring, bar and tyre act in
 series, so that a corner's force is k k_t/(k + k_t) of the axle's mean compression and, with the anti-roll bar a,
-(k + 2a) k_t/(k + 2a + k_t) of half its difference. The load transfer lags as the body does.
+(k + 2a) k_t/(k + 2a + k_t) of half its difference. The load transfer lags as the body does. Pitch and heave are coupled
+where the springs' centre is not the centre of gravity, unless the body pitches about the former.
 """
 
 import math
@@ -29,10 +30,11 @@ def move_body(p: Record, s: Record, step: float) -> None:
     for i in range(4):
         x, y = p.wheel_x[i], p.wheel_y[i]
         # the axle's mean compression, and half its difference to the other wheel
-        mean, half = x * s.pitch - s.heave, -y * s.roll
+        arm = p.pitch_arm[i]
+        mean, half = arm * s.pitch - s.heave, -y * s.roll
         mean_share, half_share = p.mean_share[i], p.half_share[i]
         travel = mean_share * mean + half_share * half
-        mean_rate, half_rate = mean_share * (x * s.pitch_rate - s.heave_rate), -half_share * y * s.roll_rate
+        mean_rate, half_rate = mean_share * (arm * s.pitch_rate - s.heave_rate), -half_share * y * s.roll_rate
         rate = mean_rate + half_rate
         damping = p.compression_damping[i] if rate > 0.0 else p.rebound_damping[i]
         change = p.mean_rate[i] * mean + p.half_rate[i] * half
@@ -51,14 +53,15 @@ def move_body(p: Record, s: Record, step: float) -> None:
         left_up += y * change
         s.spin_momentum += p.spin_inertia[i] * s.spin[i]
         about_wheels += p.spin_inertia[i] * s.spin_rate[i] + s.rolling_torque[i]
-    weight, arm = p.mass * GRAVITY, p.height - p.radius[0]
+    weight, above = p.mass * GRAVITY, p.height - p.radius[0]
     drag = p.drag * speed * speed
-    nose_down += weight * (arm + p.pitch_weight_arm) * s.pitch - about_wheels
+    nose_down += weight * (above + p.pitch_weight_arm) * s.pitch - about_wheels
     nose_down -= p.height * (s.force_x + drag) + (p.drag_height - p.height) * drag
-    left_up += weight * (arm + p.roll_weight_arm) * s.roll + p.height * s.force_y + s.yaw_rate * s.spin_momentum
+    left_up += weight * (above + p.roll_weight_arm) * s.roll + p.height * s.force_y + s.yaw_rate * s.spin_momentum
     s.heave_rate += step * up * p.inverse_sprung
-    s.pitch_rate += step * nose_down * p.inverse_pitch
-    s.roll_rate += step * left_up * p.inverse_roll
+    s.pitch_acceleration, s.roll_acceleration = nose_down * p.inverse_pitch, left_up * p.inverse_roll
+    s.pitch_rate += step * s.pitch_acceleration
+    s.roll_rate += step * s.roll_acceleration
     s.heave += step * s.heave_rate
     s.pitch = min(max(s.pitch + step * s.pitch_rate, -_LARGEST_ANGLE), _LARGEST_ANGLE)
     s.roll = min(max(s.roll + step * s.roll_rate, -_LARGEST_ANGLE), _LARGEST_ANGLE)
@@ -71,6 +74,12 @@ def _air(p: Record, s: Record) -> tuple[float, float, float]:
     speed = math.sqrt(along * along + across * across)
     side = -p.side_force * speed * across
     return -p.drag * speed * along, side - p.drag * speed * across, side * p.side_force_position
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def felt_share(p: Record, step: float) -> float:
+    """Share of a step's acceleration that its end shows: the accelerometer's lag counts from the middle of the step."""
+    return min(step / (p.accelerometer_lag + 0.5 * step), 1.0)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -97,6 +106,6 @@ def move_in_plane(p: Record, s: Record, step: float) -> None:
     # the accelerometer stands at its place in the body and leans with it
     felt_x = along - GRAVITY * s.pitch - turn * turn * p.place_x - s.yaw_acceleration * p.place_y
     felt_y = across + GRAVITY * s.roll - turn * turn * p.place_y + s.yaw_acceleration * p.place_x
-    share = step / (p.accelerometer_lag + step)
+    share = felt_share(p, step)
     s.acceleration_x += share * (felt_x - s.acceleration_x)
     s.acceleration_y += share * (felt_y - s.acceleration_y)

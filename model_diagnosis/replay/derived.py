@@ -37,5 +37,7 @@ def _derive_suspension(p: np.void, tracks: NDArray[np.float64]) -> None:
     rolling = spring + 2.0 * p["anti_roll_rate"]
     p["mean_share"], p["half_share"] = tyre / (spring + tyre), tyre / (rolling + tyre)
     p["mean_rate"], p["half_rate"] = p["mean_share"] * spring, p["half_share"] * rolling
+    pole = p["pitch_pole"] * float(p["wheel_x"] @ p["mean_rate"]) / float(p["mean_rate"].sum())
+    p["pitch_arm"] = p["wheel_x"] - pole
     p["guide_brake"], p["guide_drive"] = -_FORWARD * p["brake_support"], -_FORWARD * p["drive_support"]
     p["guide_side"] = -_LEFTWARD * 2.0 * p["roll_centre_height"] / tracks

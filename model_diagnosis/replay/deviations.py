@@ -132,6 +132,7 @@ def _form_changes() -> dict[str, tuple[_Change, ...]]:
     return {
         "form_contact_scrub.roll": (_absolute("roll_scrub"),),
         "form_contact_scrub.pitch": (_absolute("pitch_scrub"),),
+        "form_pitch_pole.share": (_absolute("pitch_pole"),),
         "form_guide_lean.share": (_absolute("guide_lean"),),
         "form_transient.share": (_absolute("lag_on_force"),),
         "form_trail.bulge": (_absolute("trail_bulge"),),

@@ -2,6 +2,7 @@
 
 from numba import njit
 
+from model_diagnosis.replay.chassis_step import felt_share
 from model_diagnosis.replay.record import Record
 
 NOWHERE = -1
@@ -26,7 +27,7 @@ def disturb(p: Record, s: Record, place: int, size: float, step: float) -> None:
     else:
         wheel = place - WHEEL
         s.spin[wheel] = max(s.spin[wheel] + step * size / p.spin_inertia[wheel], 0.0)
-    felt = step / (p.accelerometer_lag + step) * size * p.inverse_mass
+    felt = felt_share(p, step) * size * p.inverse_mass
     if place == FORCE_X:
         s.acceleration_x += felt
     elif place == FORCE_Y:

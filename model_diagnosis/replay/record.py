@@ -77,6 +77,7 @@ _NUMBERS = (
     "wheel_speed_lag",
     "roll_scrub",  # share of the body's roll rate and pitch rate that moves the contact patches
     "pitch_scrub",
+    "pitch_pole",  # share of the way from the centre of gravity to the springs' centre about which the body pitches
     "guide_lean",  # share of the body's lean that turns the wheels' guides
     "lag_on_force",  # share of the relaxation lengths along which the force follows, not the slip
     "trail_bulge",  # how much longer the trail stays than along a straight line to the peak
@@ -145,6 +146,7 @@ _DERIVED_NUMBERS = ("inverse_mass", "inverse_sprung", "inverse_roll", "inverse_p
 _DERIVED_WHEELS = (
     "wheel_x",  # place ahead of the centre of gravity
     "wheel_y",  # and left of it
+    "pitch_arm",  # place ahead of what the body pitches about
     "static_load",
     "inverse_load",  # 1/reference_load
     "inverse_nominal_load",

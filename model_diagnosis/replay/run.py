@@ -66,7 +66,7 @@ def take_inputs(s: Record, before: NDArray[np.float64], after: NDArray[np.float6
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def write_outputs(p: Record, s: Record, out: NDArray[np.float64]) -> None:
-    """All outputs (``OUTPUTS``) at this instant; sensors of wheel speeds, speed and yaw rate lag by a constant time."""
+    """All outputs (``OUTPUTS``) at this instant; sensors of speeds and turning rates lag by a constant time."""
     for i in range(4):
         out[i] = s.spin[i] - p.wheel_speed_lag * s.spin_rate[i]
         out[4 + i] = s.load[i]
@@ -78,7 +78,8 @@ def write_outputs(p: Record, s: Record, out: NDArray[np.float64]) -> None:
     out[_SPEED], out[_SPEED + 1] = s.speed - p.speed_lag * s.speed_rate, s.lateral_speed
     out[_YAW_RATE] = s.yaw_rate - p.gyro_lag * s.yaw_acceleration
     out[_YAW_RATE + 1], out[_YAW_RATE + 2] = s.acceleration_x, s.acceleration_y
-    out[_ROLL_RATE], out[_ROLL_RATE + 1] = s.roll_rate, s.pitch_rate
+    out[_ROLL_RATE] = s.roll_rate - p.gyro_lag * s.roll_acceleration
+    out[_ROLL_RATE + 1] = s.pitch_rate - p.gyro_lag * s.pitch_acceleration
     out[_ROLL_RATE + 2], out[_ROLL_RATE + 3] = s.roll, s.pitch
     out[_ROLL_RATE + 4] = np.arctan2(s.lateral_speed, max(s.speed, 0.1))
     out[_ROLL_RATE + 5], out[_ROLL_RATE + 6] = s.distance, s.yaw_acceleration

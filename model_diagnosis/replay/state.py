@@ -17,8 +17,10 @@ _BODY = (
     "heave_rate",
     "pitch",  # nose down positive
     "pitch_rate",
+    "pitch_acceleration",
     "roll",  # left side up positive
     "roll_rate",
+    "roll_acceleration",
     "distance",
     "stop_energy",
     "acceleration_x",  # specific force as the accelerometer reports it

@@ -61,16 +61,17 @@ def test_locked_stop_takes_v2_over_2_mu_g() -> None:
 
 
 def test_steady_circle_has_the_yaw_gain_of_the_linear_single_track_car() -> None:
-    """r = v delta / (L + K v^2), K = m/L (b/Cf - a/Cr), stiff steering, small angle; C = 2 Fz B C D per axle."""
+    """r = v delta / (L + K v^2), K = m/L ((b + n)/Cf - (a - n)/Cr) with side forces a trail n behind the wheels'
+    centres; stiff steering, small angle; C = 2 Fz B C D per axle."""
     car = _changed(steering_stiffness=1e9, rolling_resistance=[0.0] * 4, drag_area=0.0, side_area=0.0)
     speed, wheel = 20.0, 0.08
     turn = Script("circle", speed, 6.0, nothing, ramps((0, 0), (1, wheel), (9, wheel)), nothing)
     out = simulate(as_record(car), turn.drive())
-    a, wheelbase, mass = 1.25, 2.57, 1296.0
+    a, wheelbase, mass, trail = 1.25, 2.57, 1296.0, 0.03
     b = wheelbase - a
     slope = 1.4 * 13.0
     front, rear = mass * GRAVITY_M_S2 * b / wheelbase * slope, mass * GRAVITY_M_S2 * a / wheelbase * slope
-    gradient = mass / wheelbase * (b / front - a / rear)
+    gradient = mass / wheelbase * ((b + trail) / front - (a - trail) / rear)
     v = out[-1, 0]
     expected = v * wheel / 16.0 / (wheelbase + gradient * v * v)
     assert out[-1, 2] == pytest.approx(expected, rel=0.02)

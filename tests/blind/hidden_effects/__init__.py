@@ -10,7 +10,7 @@ import os
 import sys
 from pathlib import Path
 
-VERSION = "1"
+VERSION = "2"
 
 FORM_DIFFERENCES = (
     "step 0.5 ms; chassis by the two-step Adams-Bashforth rule, wheel spin and tyre force staggered (symplectic)",
@@ -20,7 +20,7 @@ FORM_DIFFERENCES = (
     "four-channel ABS logic of its own with a 10 ms cycle and a reference speed of its own",
     "brake discs warmed by the energy that they take, cooled by Newton's law",
     "booster with a lag of 20 ms, valves with 2 ms; the control unit decides half a cycle beside the sampled instants",
-    "steering compliance from a trail that falls as a cosine with the slip angle",
+    "aligning moments on car and steering from a trail that falls as a cosine with the slip angle",
     "second generator: exponential (Burckhardt) tyre curves on a friction circle in place of the arctangent ones",
 )
 """In what the hidden car differs in form from the model that diagnoses it."""

@@ -80,7 +80,7 @@ def derivatives(
     force_x, force_y : (4,) N
         Tyre forces in the car's axes.
     moment : N m
-        Yaw moment beside that of the tyre forces.
+        Yaw moment beside that of the tyre forces at the wheels' centres: the tyres' aligning moments.
 
     Returns
     -------
@@ -119,9 +119,14 @@ def derivatives(
 
 
 @njit(cache=True)
+def trail(car: Any, slip: float) -> float:
+    """Distance [m] behind the wheel's centre at which the side force acts, falling as a cosine with the slip angle."""
+    length: float = car.pneumatic_trail
+    return length * max(math.cos(0.5 * math.pi * min(abs(slip) / TYRE_ANGLE_OF_NO_TRAIL_RAD, 1.0)), 0.0)
+
+
+@njit(cache=True)
 def steering_angle(car: Any, wheel_angle: float, force_y_left: float, force_y_right: float, slip: float) -> float:
     """Mean road-wheel angle [rad]: ratio, offset, and the compliance under the front tyres' aligning moment."""
-    fade = max(math.cos(0.5 * math.pi * min(abs(slip) / TYRE_ANGLE_OF_NO_TRAIL_RAD, 1.0)), 0.0)
-    trail = car.pneumatic_trail * fade
-    twist = 0.5 * (force_y_left + force_y_right) * trail / car.steering_stiffness
+    twist = 0.5 * (force_y_left + force_y_right) * trail(car, slip) / car.steering_stiffness
     return wheel_angle / car.steering_ratio + car.steering_offset - twist

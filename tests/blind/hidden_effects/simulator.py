@@ -53,8 +53,9 @@ MEMORY = np.dtype(
         *((name, "f8", (4,)) for name in ("pressure", "piston", "torque", "opening_in", "opening_out", "released")),
         *((name, "f8", (4,)) for name in ("disc", "tread", "inlet", "outlet", "rim", "rim_before", "rim_rate")),
         *((name, "i8", (4,)) for name in ("phase", "timer")),
-        ("volumes", "f8", (2,)),
         *((name, "f8") for name in ("reference", "master", "delta", "distance", "stop_energy", "work", "pump")),
+        ("aligning", "f8"),
+        ("volumes", "f8", (2,)),
     ]
 )
 """States of the car, its brakes and its controller; made outside compiled code, which does not keep records alive."""
@@ -270,6 +271,7 @@ def _wheel(car: Any, s: Any, i: int, acting: float, drive_torque: float, cosine:
     s.disc[i] = brakes.disc_temperature(car, s.disc[i], power, mean, STEP_S)
     s.stop_energy += power * STEP_S
     s.work += STEP_S * mean * (net + friction)
+    s.aligning -= chassis.trail(car, across / max(abs(along), 1.0)) * s.force_y[i]
     s.car_x[i], s.car_y[i] = s.force_x[i], s.force_y[i]
     if i < 2:
         s.car_x[i] = s.force_x[i] * cosine - s.force_y[i] * sine
@@ -355,10 +357,11 @@ def _run(
         _pressures(car, s, cycles, n * STEP_S)
         _steer(car, s, steering_wheel[n])
         chassis.wheel_loads(car, s.body, s.car_x, s.car_y, s.load)
+        s.aligning = 0.0
         for i in range(4):
             acting = given[row, _PRESSURE + i] if replay else s.pressure[i]
             _wheel(car, s, i, acting, drive_torque[n], math.cos(s.delta), math.sin(s.delta))
-        along, across = chassis.derivatives(car, s.body, s.car_x, s.car_y, 0.0, s.rate)
+        along, across = chassis.derivatives(car, s.body, s.car_x, s.car_y, s.aligning, s.rate)
         if n % RECORD_EVERY == 0:
             _write(car, s, along, across, out[row])
         _move(car, s, n == 0)
