@@ -16,6 +16,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 from alone_on_the_machine import AloneOnTheMachine
+from order_of_modules import OrderOfModules
 
 TRACEABILITY = Path(__file__).resolve().parent.parent / "docs" / "traceability.csv"
 COLUMNS = ("id", "source_line", "test_node_id", "measured", "limit", "verdict")
@@ -34,6 +35,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "acceptance(*ids): ids of docs/traceability.csv that the test checks")
     config.pluginmanager.register(_TraceabilityWriter(config), "traceability-writer")
+    config.pluginmanager.register(OrderOfModules(), "order-of-modules")
     if hasattr(config, "workerinput"):
         config.pluginmanager.register(AloneOnTheMachine(config.workerinput["testrunuid"]), "alone-on-the-machine")
 

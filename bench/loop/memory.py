@@ -40,4 +40,5 @@ class MemoryRecorder:
     @property
     def frames(self) -> NDArray[np.void]:
         """Frames so far."""
-        return np.concatenate(self._frames) if self._frames else np.zeros(0, FRAME_DTYPE)
+        # as bytes: numpy compares the fields of every piece that it joins, half a second for a minute of driving
+        return np.frombuffer(bytearray().join(self._frames or ()), FRAME_DTYPE)

@@ -1,7 +1,7 @@
 """Rides of the attitude document's two-wheeler, its filters on them, and the errors that its section 7 tabulates."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -47,6 +47,13 @@ def ride(seed: int, sloped: bool, seconds: float = 150.0, lean_scale: float = 1.
     return random_ride(
         motorcycle(), seed, seconds=seconds, sloped=sloped, lean_scale=lean_scale, contact=contact  # type: ignore[arg-type]
     )  # fmt: skip
+
+
+def until(end: float, source: Ride, measured: Mapping[str, FloatArray]) -> tuple[Ride, dict[str, FloatArray]]:
+    """A ride and what was measured on it up to ``end`` [s]: a filter tells the same there as on the whole ride."""
+    rows = slice(int(np.searchsorted(source.time, end)))
+    parts = {name: value[rows] for name, value in vars(source).items() if isinstance(value, np.ndarray)}
+    return replace(source, **parts), {name: values[rows] for name, values in measured.items()}
 
 
 def delayed(values: FloatArray) -> FloatArray:
