@@ -43,9 +43,9 @@ What to read off it:
   ([reasons](acceptance.md#reasons)).
 - Without torques the split between the axles is a guess, and under ABS on the pitching car the limits swing.
 - The unscented filter gains little over the extended one and costs two to three times as much.
-- The force EKF has no row but the drag that ties its speed: an accelerometer that reads too much deceleration is
-  explained by a higher speed, and `speed_confidence` says that it is not to be trusted. Its forces stay right while
-  wheels turn; with both axles locked only their sum is observed.
+- The force EKF has its speed from the wheels that rolled before the brake: what the accelerometer of the pitching car
+  reads too much moves it little, and `speed_confidence` says that both contradict each other. Its forces stay right
+  while wheels turn; with both axles locked only their sum is observed.
 - The slip slope and the simple evaluation tell the friction in use nearly as well as the filters, but not the axles.
 - Split friction: one value per axle cannot be right for both wheels. Without an ABS the MuJoCo car turns by 117
   degrees, and a filter that knows one direction has nothing to follow: 1.4 to 1.8 m/s with every one of them.

@@ -84,12 +84,12 @@ _FRICTION = {
         "With torques the wheel equations tell the true tyre force, which a heavier car needs more of, while "
         "the accelerometer times the believed mass tells less. The filter resolves the contradiction by a "
         "lower speed, hence less slip, and a higher limit. Without torques force and load scale alike and the "
-        "ratio stays. The force EKF's speed hangs on the drag alone (observability: "
-        "`tests/estimators/test_force_ekf_contradiction.py`); wheels and accelerometer contradict each other by 2 m/s² "
-        "at +20 %, which its equations explain by a lower speed: the linear filter rests below standstill. So the "
-        "speed is held at 0 and told as not to be trusted (`speed_confidence`, 0.1 to 0.4 s after the brake), and is "
-        "taken from the wheels again when they roll; `speed_bound: wheels` holds it above what rolls (last rows). The "
-        "forces err by what the accelerometer contradicts."
+        "ratio stays. In the document's rows of the force EKF (`rolling_speed: none`, below it) the speed hangs on the "
+        "drag alone (observability: `tests/estimators/test_force_ekf_contradiction.py`); wheels and accelerometer "
+        "contradict each other by 2 m/s² at +20 %, which its equations explain by a lower speed: the linear filter "
+        "rests below standstill. Wheels that roll before the brake leave little doubt about the speed, so that the "
+        "contradiction moves it less; it is told as not to be trusted all the same (`speed_confidence`, 0.1 to 0.4 s "
+        "after the brake). The forces err by what the accelerometer contradicts."
     ),
     "wheel_radius": (
         "Smaller wheels turn faster: while rolling the speed is too high by as much, and the error lasts "
@@ -99,13 +99,15 @@ _FRICTION = {
         "An accelerometer on a slope feels g sin(grade), 0.49 m/s² at 5 %; the filter integrates it. Downhill "
         "its speed falls below that of the wheels, the slip that is left cannot make the force, and the limit "
         "rises to its guard (`largest_friction_limit`). The document assumes a level road (3.6.1); "
-        "`road_grade` estimates the slope."
+        "`road_grade` estimates the slope. The force EKF takes a slope on which its wheels roll for an offset of the "
+        "accelerometer: its speed gains by that, its forces lose, for on a slope the accelerometer is right about them."
     ),
     "accelerometer_offset": (
         "Integrated by row 8 and read as force by row 1, as on a slope. Without torques nothing but the "
-        "accelerometer tells the force, so that the error is twice as large. Nothing but drag ties the "
-        "force EKF's speed: to it 0.1 m/s² are the drag of 6.7 m/s more or less at 20 m/s, no contradiction. Its "
-        "forces come from the wheels and stay; `speed_bound: wheels` holds the speed."
+        "accelerometer tells the force, so that the error is twice as large. To the document's rows of the force EKF "
+        "(`rolling_speed: none`) 0.1 m/s² are the drag of 6.7 m/s more or less at 20 m/s, no contradiction: the speed "
+        "moves there within a second, mostly before the brake. As shipped it finds the offset while an axle rolls "
+        "(`acceleration_offset`, in some 0.15 s) and takes it out (`tests/estimators/test_force_ekf_offset.py`)."
     ),
     "sensor_noise": (
         "All noises times 2 and 5: accelerometer 0.25 m/s², pressures 0.5 bar, teeth of the rings misplaced "
@@ -119,8 +121,7 @@ _FRICTION = {
     "adaptive_damper": (
         "On the MuJoCo car the body pitches into the accelerometer and the loads swing: that is the step from "
         "the first to the second level ([reasons](acceptance.md#reasons)). Adaptive dampers take a little of "
-        "the swing away. The force EKF's speed runs off as with an offset, upwards, so that no bound from below helps; "
-        "it says so."
+        "the swing away. In the document's rows of the force EKF the speed runs off as with an offset, upwards."
     ),
     "unknown_torque": (
         "Rows 1 to 3 with `torque_mode: z2`: only the load-weighted mean is observable then (3.6.9), and it is as good."

@@ -34,14 +34,13 @@ from estimators.force_model import (
     predict,
     share_force_noise,
 )
+from estimators.force_rolling import OFFSET, ROLLING_SHARE, TRACKED, learn_offset, rolling_axles, tie_speed
 from estimators.force_settings import FORCE_OUTPUTS, ForceEkfSettings, force_inputs
 from estimators.inputs import FRESH, INPUTS_LOST, VALUE, accept_inputs, forget_inputs, input_guard
 from estimators.interface import Estimator
 from estimators.kalman.correction import ROW_MISSING, ROW_USED, correct_rows
 from estimators.kalman.covariance import FloatArray, IntArray, all_finite, propagate_sparse
 from estimators.longitudinal_inputs import (
-    BRAKE_F,
-    BRAKE_R,
     DRIVE_F,
     DRIVE_R,
     IN_ACCELERATION,
@@ -70,8 +69,12 @@ from estimators.wheel_speed_sensor import HISTORY_SIZE, bring_forward, forget_ch
     CONTRADICTION_WEIGHT,
     CONTRADICTION_LIMIT,
     ROLLING_TORQUE,
-) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 15)
-PROCESS_VARIANCE = ROLLING_TORQUE + 1
+    RESTARTS,
+    ROLLING_VARIANCE,
+    OFFSET_RATE,
+    LARGEST_OFFSET,
+) = range(MODEL_PARAMETERS, MODEL_PARAMETERS + 19)
+PROCESS_VARIANCE = LARGEST_OFFSET + 1
 MEASUREMENT_VARIANCE = PROCESS_VARIANCE + STATES
 INITIAL_VARIANCE = MEASUREMENT_VARIANCE + MEASUREMENTS
 TUNING_SIZE = INITIAL_VARIANCE + STATES
@@ -81,15 +84,16 @@ _STATE, _PREDICTED, _EXPECTED, _TORQUES, _STATUS, _NOISE = range(6)
 _COVARIANCE = 6
 _TRANSITION = _COVARIANCE + STATES
 _DESIGN = _TRANSITION + STATES
-_SCRATCH = _DESIGN + MEASUREMENTS
+_ROLLING = _DESIGN + MEASUREMENTS
+_SCRATCH = _ROLLING + 1
 _MEMORY_ROWS = _SCRATCH + STATES
 
-_ACTIVE, _RESETS, _INPUT_STATE, _INNOVATION, _CONTRADICTION, _DISTRUSTED = range(6)
+_ACTIVE, _RESETS, _INPUT_STATE, _INNOVATION, _CONTRADICTION, _DISTRUSTED, _TRACKER = range(7)
+_STATUS_KEPT = _TRACKER  # what a filter that starts again forgets ends here
 _POSITION = {output.name: position for position, output in enumerate(FORCE_OUTPUTS)}
 _OUT_SPEED, _OUT_FORCE_F, _OUT_INNOVATION = _POSITION["speed"], _POSITION["force_front"], _POSITION["innovation"]
-_ROLLING_SHARE = 0.02
-"""Torque of an axle over weight times radius below which it rolls: its slip is then some thousandths."""
 _OUT_SPEED_CONFIDENCE = _POSITION["speed_confidence"]
+_OUT_OFFSET = _POSITION["acceleration_offset"]
 
 
 @njit(cache=True)
@@ -133,14 +137,6 @@ def _bound_speed(state: FloatArray, torques: FloatArray, rim_f: float, rim_r: fl
 
 
 @njit(cache=True)
-def _rolls(torques: FloatArray, most: float) -> bool:
-    """Whether an axle has neither drive nor brake torque [N m]: its rim speed is the car's."""
-    front = max(abs(torques[DRIVE_F]), torques[BRAKE_F])
-    rear = max(abs(torques[DRIVE_R]), torques[BRAKE_R])
-    return min(front, rear) <= most
-
-
-@njit(cache=True)
 def _filter_step(
     memory: FloatArray, history: FloatArray, rows: IntArray, tuning: FloatArray, guard: FloatArray
 ) -> None:
@@ -148,7 +144,7 @@ def _filter_step(
     covariance, transition = memory[_COVARIANCE:_TRANSITION], memory[_TRANSITION:_DESIGN]
     design, scratch = memory[_DESIGN:_SCRATCH], memory[_SCRATCH:_MEMORY_ROWS]
     variances = tuning[PROCESS_VARIANCE : PROCESS_VARIANCE + STATES]
-    torques = memory[_TORQUES]
+    torques, tracker = memory[_TORQUES], memory[_STATUS, _TRACKER : _TRACKER + 2]
     axle_torques(guard, tuning[BRAKE_GAIN_F], tuning[BRAKE_GAIN_R], tuning[BRAKE_IS_CAPACITY] > 0.0, torques)
     front, rear = axle_speeds(guard)
     teeth, window = tuning[TEETH], tuning[WINDOW]
@@ -178,7 +174,7 @@ def _filter_step(
         delay_wheel_row(design, ROW_WHEEL_R, delay_r, tuning[RADIUS_R], tuning[INERTIA_R])
         bring_forward(history, teeth, window, tuning[SAMPLE_TIME], change_f, change_r, speeds, noise[ROW_WHEEL_F:])
     acceleration = guard[IN_ACCELERATION, VALUE] * tuning[PITCH_FACTOR]
-    expected[ROW_ACCELERATION] = acceleration - expected[ROW_ACCELERATION]
+    expected[ROW_ACCELERATION] = acceleration - tracker[OFFSET] - expected[ROW_ACCELERATION]
     expected[ROW_WHEEL_F] = speeds[0] - expected[ROW_WHEEL_F]
     expected[ROW_WHEEL_R] = speeds[1] - expected[ROW_WHEEL_R]
     hold = tuning[HOLD_INPUTS] > 0.0
@@ -186,7 +182,19 @@ def _filter_step(
     rows[ROW_ACCELERATION] = ROW_USED if hold or guard[IN_ACCELERATION, FRESH] > 0.0 else ROW_MISSING
     rows[ROW_WHEEL_F] = ROW_USED if (hold or fresh_f) and not stale_f else ROW_MISSING
     rows[ROW_WHEEL_R] = ROW_USED if (hold or fresh_r) and not stale_r else ROW_MISSING
-    if rows[ROW_ACCELERATION] == ROW_USED:
+    rim_f, rim_r = tuning[RADIUS_F] * speeds[0], tuning[RADIUS_R] * speeds[1]
+    tied_f, tied_r = rolling_axles(torques, tuning[ROLLING_TORQUE] if tuning[ROLLING_VARIANCE] > 0.0 else -1.0)
+    tied_f, tied_r = tied_f and not stale_f, tied_r and not stale_r
+    if tied_f or tied_r:
+        # a speed that the wheels tell needs no agreement with the accelerometer, whose offset they tell as well
+        learn_offset(
+            tracker, acceleration, rim_f if tied_f else rim_r, tuning[SAMPLE_TIME], tuning[OFFSET_RATE],
+            tuning[LARGEST_OFFSET],
+        )  # fmt: skip
+        memory[_STATUS, _CONTRADICTION] = 0.0
+    else:
+        tracker[TRACKED] = 0.0
+    if rows[ROW_ACCELERATION] == ROW_USED and not (tied_f or tied_r):
         _note_contradiction(
             memory[_STATUS], covariance, design, expected[ROW_ACCELERATION], noise[ROW_ACCELERATION],
             tuning[CONTRADICTION_WEIGHT],
@@ -197,11 +205,17 @@ def _filter_step(
         expected,
         design,
         noise,
-        rows,
+        rows[:MEASUREMENTS],
         0.0,
         DESIGN_COLUMNS,
         scratch[:4],
     )
+    for tied, row, rim in ((tied_f, ROW_WHEEL_F, rim_f), (tied_r, ROW_WHEEL_R, rim_r)):
+        if tied and rows[row] == ROW_USED:
+            tie_speed(
+                state, covariance, rim, tuning[ROLLING_VARIANCE : ROLLING_VARIANCE + 1], memory[_ROLLING:_SCRATCH],
+                memory[_EXPECTED, MEASUREMENTS : MEASUREMENTS + 1], rows[MEASUREMENTS:], scratch[:4],
+            )  # fmt: skip
     by_wheels = tuning[BOUND_BY_WHEELS] > 0.0
     outside = _bound_speed(state, torques, tuning[RADIUS_F] * front, tuning[RADIUS_R] * rear, by_wheels)
     # once it has given way to a contradiction nothing ties the speed again, also where drag then explains the rest
@@ -240,8 +254,10 @@ def _tick(
         _filter_step(memory, history, rows, tuning, guard)
         if not all_finite(state):
             action = STOP
-        elif status[_DISTRUSTED] > 0.0 and _rolls(memory[_TORQUES], tuning[ROLLING_TORQUE]):
-            action = START
+        elif status[_DISTRUSTED] > 0.0 and tuning[RESTARTS] > 0.0:
+            rolls_f, rolls_r = rolling_axles(memory[_TORQUES], tuning[ROLLING_TORQUE])
+            action = START if rolls_f or rolls_r else RUN
+        if action == START:
             status[_RESETS] += 1.0
             forget_changes(history)
     else:
@@ -249,7 +265,7 @@ def _tick(
     if action == START:
         speed = start_speed(guard[IN_ACCELERATION, VALUE], rim_f, rim_r)
         _initialise(memory, tuning, speed, wheel_f, wheel_r)
-        status[_ACTIVE], status[_INNOVATION:] = 1.0, 0.0
+        status[_ACTIVE], status[_INNOVATION:_STATUS_KEPT] = 1.0, 0.0
     elif action == STOP:
         _initialise(memory, tuning, 0.0, 0.0, 0.0)
         status[_ACTIVE], status[_INNOVATION:] = 0.0, 0.0
@@ -263,6 +279,7 @@ def _tick(
         out[_OUT_FORCE_F + 2 * k] = state[force]
         out[_OUT_FORCE_F + 2 * k + 1] = math.sqrt(max(covariance[force, force], 0.0))
     out[_OUT_INNOVATION] = status[_INNOVATION]
+    out[_OUT_OFFSET] = status[_TRACKER + OFFSET]
     out[_OUT_SPEED_CONFIDENCE] = 1.0 if status[_ACTIVE] > 0.0 and status[_DISTRUSTED] == 0.0 else 0.0
 
 
@@ -298,7 +315,7 @@ class ForceEkf(Estimator):
         self.state = self._memory[_STATE]
         self.covariance = self._memory[_COVARIANCE:_TRANSITION]
         super().__init__("force_ekf", inputs, sample_time_s)
-        rows = np.zeros(MEASUREMENTS, dtype=np.int64)
+        rows = np.zeros(MEASUREMENTS + 1, dtype=np.int64)
         self._history = np.zeros((2, HISTORY_SIZE))
         self.tick = partial(_tick, self._memory, self._history, rows, tuning, self._guard, positions)
         self.reset()
@@ -325,8 +342,10 @@ def _tuning(vehicle: Mapping[str, float], settings: ForceEkfSettings, sample_tim
     values[BOUND_BY_WHEELS] = settings.speed_bound == "wheels"
     values[CONTRADICTION_WEIGHT] = 1.0 / settings.contradiction_samples
     values[CONTRADICTION_LIMIT] = settings.contradiction_limit
-    # no torque is below zero: without ``restart`` no axle ever rolls
-    values[ROLLING_TORQUE] = _ROLLING_SHARE * car.weight * min(car.radius) if settings.restart else -1.0
+    values[ROLLING_TORQUE], values[RESTARTS] = ROLLING_SHARE * car.weight * min(car.radius), settings.restart
+    # without the row of rolling axles nothing tells an offset from drag
+    values[ROLLING_VARIANCE] = 0.0 if settings.rolling_speed == "none" else settings.measurement_rolling_speed**2
+    values[OFFSET_RATE], values[LARGEST_OFFSET] = 1.0 / settings.offset_time_constant, settings.largest_offset
     values[RATE_DECAY] = math.exp(-sample_time_s / settings.locked_rate_time_constant)
     extra = float(settings.unmodelled_force)
     process = np.array(

@@ -67,6 +67,29 @@ class ForceEkfSettings(LongitudinalSettings):
         description="what the speed is held above. standstill: 0, the end of eq. 82; wheels: also the rim speed of an "
         "axle without drive torque, which the document's filter does not ask",
     )
+    rolling_speed: Literal["measured", "none"] = Field(
+        default="measured",
+        description="measured: while an axle has no torque its rim speed tells the speed, and what the accelerometer "
+        "tells beside the forces is its offset; none: the document's rows alone, an offset passes for drag",
+    )
+    measurement_rolling_speed: float = parameter(
+        "m/s",
+        0.1,
+        low=1e-3,
+        description="rim speed of a rolling axle against the speed: slip, radius, torques below 2 % of the weight",
+        source="assumed",
+    )
+    offset_time_constant: float = parameter(
+        "s", 0.15, low=0.01, high=60.0, description="rolling time in which the offset is found", source="assumed"
+    )
+    largest_offset: float = parameter(
+        "m/s^2",
+        1.0,
+        low=0.0,
+        high=10.0,
+        description="bound of the offset, a grade included; 0: none is taken out",
+        source="assumed",
+    )
     contradiction_samples: float = parameter(
         "1",
         100.0,
@@ -118,6 +141,7 @@ FORCE_OUTPUTS: tuple[Output, ...] = (
     *with_deviation("force_front", "N", "longitudinal force of both front tyres", _FRONT, total=True),
     *with_deviation("force_rear", "N", "longitudinal force of both rear tyres", _REAR, total=True),
     *with_deviation("unmodelled_force", "N", "force of unmodelled effects on the car"),
+    Output("acceleration_offset", "m/s^2", "what the accelerometer told beside the forces while an axle rolled"),
     Output("innovation", "1", "normalised innovation squared of this step"),
     Output("speed_confidence", "1", "1 while accelerometer and wheels agree and the speed is within its bounds"),
 )

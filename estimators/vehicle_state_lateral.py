@@ -63,11 +63,18 @@ def side_force(
 
 
 @njit(cache=True)
+def lateral_speed_at_the_road(v_y: float, s: Any, t: Any) -> float:
+    """Lateral speed below the centre of gravity, which sways to the left as the body leans there (``body_sway``)."""
+    return v_y + t.sway * s.roll_rate
+
+
+@njit(cache=True)
 def predict_state(x: FloatArray, s: Any, curves: Any, car: Any, t: Any, dt: float, full: FloatArray) -> None:
     """Process model (l. 5327-5436): ``full`` (shape (17,)) receives the prediction of the state ``x``."""
     sum_y = moment = 0.0
+    v_y = lateral_speed_at_the_road(x[V_Y], s, t)
     for i in range(4):
-        alpha = slip_angle(s.v_x, x[V_Y], x[W_Z], s.theta[i], car, i)
+        alpha = slip_angle(s.v_x, v_y, x[W_Z], s.theta[i], car, i)
         curve = curves[i]
         force = side_force(x, alpha, s.load[i], i, curve.mode == CURVED, curve.b, t.curve_c, s.theta[i], t)
         along, across = math.cos(s.theta[i]), math.sin(s.theta[i])
@@ -347,9 +354,10 @@ def bound_state(x: FloatArray) -> None:
 def _publish(x: FloatArray, s: Any, curves: Any, car: Any, t: Any) -> None:
     """Slip angles, side forces and lateral acceleration of the corrected state."""
     s.v_y, s.w_z = x[V_Y], x[W_Z]
+    v_y = lateral_speed_at_the_road(s.v_y, s, t)
     total = 0.0
     for i in range(4):
-        s.alpha[i] = slip_angle(s.v_x, s.v_y, s.w_z, s.theta[i], car, i)
+        s.alpha[i] = slip_angle(s.v_x, v_y, s.w_z, s.theta[i], car, i)
         curve = curves[i]
         curved = curve.mode == CURVED
         s.force_y[i] = side_force(x, s.alpha[i], s.load[i], i, curved, curve.b, t.curve_c, s.theta[i], t)

@@ -245,6 +245,7 @@ class StateObserver(Estimator):
         t["redraw"], t["listing_noise"] = lateral.redraw, listing
         t["double_projection"], t["centripetal"] = lateral.double_projection, lateral.centripetal_term
         t["roll_compensation"], t["hand_over"] = lateral.roll_compensation, lateral.hand_over
+        t["sway"] = self._car.record["h"][0] if lateral.body_sway else 0.0
         t["filtered_yaw"], t["yaw_delay"] = lateral.yaw_acceleration == "filtered", lateral.yaw_rate_delay
         t["gate_y"], t["smallest_alpha"] = lateral.gate_speed, lateral.smallest_slip_angle
         t["signal_weight"] = _weight(lateral.step_time, lateral.signal_time_constant)

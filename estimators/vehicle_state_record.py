@@ -136,6 +136,7 @@ TUNING_RECORD = np.dtype(
         ("filtered_yaw", "i8"),
         ("yaw_delay", "f8"),
         ("roll_compensation", "i8"),
+        ("sway", "f8"),  # height of the centre of gravity above the axis about which the body rolls
         ("hand_over", "i8"),
         ("spread", "f8"),
         ("curve_c", "f8"),

@@ -39,6 +39,11 @@ class LateralSettings(FileModel):
     roll_compensation: bool = Field(
         default=True, description="take g sin(roll) out of the lateral accelerometer, which leans with the body"
     )
+    body_sway: bool = Field(
+        default=False,
+        description="slip angles know that the centre of gravity sways over the wheels by h times the roll rate; "
+        "false: the document's flat car",
+    )
     yaw_acceleration: Literal["filtered", "gyroscope"] = Field(
         default="filtered", description="difference of the filtered yaw rate (listing) or of the gyroscope's (text)"
     )

@@ -51,6 +51,8 @@ _FIRST_FRAMES = 0.05
 TREND = 3.0
 """Time constant of the low-pass that tells the lag of the longitudinal pairs, over the pairs' own."""
 _LONGEST_EXTRAPOLATION = 0.02
+_LONGEST_DELAY = 0.1
+"""Of a wheel speed [s]: a ring of 48 teeth is that late below 0.5 m/s, where nothing runs; one near 0 tells none."""
 _FASTEST_STEERING = 25.0
 
 
@@ -122,7 +124,7 @@ def _wheel_delay(s: Any, t: Any, i: int) -> float:
     Some milliseconds, by which slip would lag behind friction: what the car gains in them is a thirtieth of the slip of
     a launch on ice.
     """
-    return sample_delay(s.measured[i], t.teeth, t.window)
+    return min(sample_delay(s.measured[i], t.teeth, t.window), _LONGEST_DELAY)
 
 
 @njit(cache=True)

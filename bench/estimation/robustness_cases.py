@@ -86,7 +86,7 @@ FRICTION_PLAN = RobustnessPlan(
         "friction_ekf_unknown_torque": {"torque_mode": "z2"},
         "friction_ukf": {"torque_mode": "known"},
         "force_ekf": {},
-        "force_ekf_wheel_bound": {"speed_bound": "wheels"},
+        "force_ekf_document_rows": {"rolling_speed": "none"},
         "slip_slope_rls": {},
         "simple_braking": {},
     },

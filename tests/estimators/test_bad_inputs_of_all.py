@@ -84,6 +84,15 @@ def test_no_input_makes_an_output_that_is_not_finite(name, data):
 
 
 @each
+def test_a_wheel_that_hardly_turns_has_no_endless_delay(name):
+    """A tone ring at 6e-12 rad/s is years late: brought forward by that, a speed would leave all bounds."""
+    columns, ages = inputs_of(name)
+    if "wheel_speed_rl" in columns:
+        columns["wheel_speed_rl"][101:116] = 5.921129699080188e-12
+    assert np.isfinite(build(name).replay(columns, ages)).all()
+
+
+@each
 def test_a_wrong_sample_is_held_and_flagged(name):
     """Ten ticks of NaN in one input: the value before is held, the flag is 1, nothing is reset."""
     columns, ages = inputs_of(name)

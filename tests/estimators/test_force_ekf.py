@@ -144,9 +144,10 @@ def test_axle_forces_in_a_hard_launch_and_a_stop_with_locked_wheels(path, brake_
 
 
 def test_step_equals_filterpy():
+    """The document's rows; those of rolling axles are two more of the same kind."""
     columns = twin.measured(run("E8"), actual_torque=True)
     columns = {name: values[5000:5600] for name, values in columns.items()}
-    estimator = estimators.create("force_ekf", twin.TABLE_8, {"brake_torque": "actual"})
+    estimator = estimators.create("force_ekf", twin.TABLE_8, {"brake_torque": "actual", "rolling_speed": "none"})
     settings, values = estimator.settings, parameters("quadratic")
     estimator.replay({name: c[:1] for name, c in columns.items()})
     reference = ExtendedKalmanFilter(dim_x=9, dim_z=3)

@@ -14,6 +14,7 @@ from vehicle_model.vehicle_file import load_vehicle
 
 TABLE_8 = load_vehicle("ekf_car").numbers()
 MASS, GRAVITY = TABLE_8["body.mass"], 9.80665
+DOCUMENTS_ROWS = {"rolling_speed": "none"}
 STOP, PERIOD = "friction/e10_abs_grip_jump", 0.005
 SPEED, DECELERATION = 20.0, 10.0
 BRAKE_AND_COAST = [
@@ -165,11 +166,13 @@ def test_a_contradicted_speed_says_so_and_stays_in_its_domain(stop, record):
 
 
 def test_a_lost_speed_is_taken_from_the_wheels_again_when_they_roll():
-    """A braking with 20 % of mass, then coasting: the filter returns to the wheels, without ``restart`` not."""
+    """A braking with 20 % of mass, then coasting: the document's rows return to the wheels, without ``restart`` not."""
     source = make_run(STOP, {"road.jumps": [], "body.mass": 1.2 * MASS, "manoeuvre.steps": BRAKE_AND_COAST})
     found = {}
     for restart in (True, False):
-        (estimate,) = run_offline(source, TABLE_8, [Request("force_ekf", "force_ekf", {"restart": restart})])
+        (estimate,) = run_offline(
+            source, TABLE_8, [Request("force_ekf", "force_ekf", {**DOCUMENTS_ROWS, "restart": restart})]
+        )
         found[restart] = abs(estimate.output("speed") - source.data.array("speed"))
         if restart:
             again = int(np.argmax(estimate.output("resets") > 0)) + 200
@@ -183,14 +186,20 @@ def _rms(values) -> float:
 
 
 def test_a_speed_that_is_not_trusted_takes_no_wheel_for_a_locking_one():
-    """The body pitches into the accelerometer: the speed comes out at twice the true one, forces keep A14's 10 %."""
+    """The body pitches into the accelerometer: the speed comes out at twice the true one, forces keep A14's 10 %.
+
+    With the document's rows; wheels that rolled before the brake leave no such doubt about the speed.
+    """
     source = make_run("stops/dry", plant="mujoco")
-    (estimate,) = run_offline(source, TABLE_8, [Request("force_ekf", "force_ekf", {})])
+    requests = [Request("force_ekf", "force_ekf", DOCUMENTS_ROWS), Request("tied", "force_ekf", {})]
+    estimate, tied = run_offline(source, TABLE_8, requests)
     true = source.data.array("speed")
     slow = (true > 5.0) & (true < 8.0) & (source.data.array("driver_master_pressure") > 0)
     assert (estimate.output("speed")[slow] > 2.0 * true[slow]).all()
-    for error in axle_errors(source, estimate, slow):
-        assert _rms(error) <= 0.1 * MASS * GRAVITY / 2.0
+    assert _rms((tied.output("speed") - true)[slow]) < 0.2
+    for found in (estimate, tied):
+        for error in axle_errors(source, found, slow):
+            assert _rms(error) <= 0.1 * MASS * GRAVITY / 2.0
 
 
 @pytest.mark.acceptance("F-17")
