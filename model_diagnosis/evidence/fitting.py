@@ -6,6 +6,7 @@ at few points and kept between steps.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,6 +82,12 @@ class Problem:
     replay: ReplayModel
     priors: Priors
     whitener: Whitener
+
+    @cached_property
+    def _parts(self) -> list[NDArray[np.bool_]]:
+        """Columns (p,) of the car and those of its hydraulics, as far as there are any."""
+        pressures = np.array([acts_on_pressures(column) for column in self.replay.columns])
+        return [part for part in (~pressures, pressures) if part.any()]
 
     @property
     def scale(self) -> FloatArray:
@@ -168,8 +175,9 @@ class Problem:
             promised = float(gradient @ step)
             if promised < COST_TOLERANCE:
                 break
-            found = self._moved(theta, step * self.scale, cost, widths, promised)
-            if found is None:
+            apart = len(self._parts) > 1
+            found = self._moved(theta, step * self.scale, cost, widths, promised, 0 if apart else SHORTENINGS)
+            if found is None and apart:
                 found = self._by_parts(curvature, gradient, theta, cost, widths, fixed)
             if found is None:
                 break
@@ -219,10 +227,7 @@ class Problem:
         """One step for the columns of the hydraulics and one for all others: the former's pressures have kinks, and
         what the car does beyond measured pressures need not stop at them. None where neither lowers the cost."""
         found = None
-        pressures = np.array([acts_on_pressures(column) for column in self.replay.columns])
-        for part in (~pressures, pressures):
-            if not part.any() or part.all():
-                return None
+        for part in self._parts:
             held = sorted({*fixed, *np.flatnonzero(~part).tolist()})
             step = self._step(curvature, gradient, theta, held)
             promised = float(gradient @ step)
@@ -234,7 +239,13 @@ class Problem:
         return found
 
     def _moved(
-        self, theta: FloatArray, step: FloatArray, cost: float, widths: FloatArray, promised: float
+        self,
+        theta: FloatArray,
+        step: FloatArray,
+        cost: float,
+        widths: FloatArray,
+        promised: float,
+        shortenings: int = SHORTENINGS,
     ) -> tuple[FloatArray, list[FloatArray], float] | None:
         """First of ever shorter steps that lowers the cost; None where none does.
 
@@ -242,7 +253,7 @@ class Problem:
         through the cost, its slope and what the last length gave.
         """
         share = 1.0
-        for _ in range(SHORTENINGS + 1):
+        for _ in range(shortenings + 1):
             trial = np.clip(theta + step * share, self.priors.low, self.priors.high)
             rows = self.rows(trial)
             trial_cost = self.cost(rows, trial, widths)

@@ -6,9 +6,9 @@ replay.residuals(theta)[0]        # (n, c) measured minus predicted of the first
 """
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections import deque
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -25,6 +25,7 @@ from model_diagnosis.replay.hydraulic import HYDRAULIC_COLUMNS, HydraulicReplay,
 from model_diagnosis.replay.inputs import SLOWEST_M_S, read_inputs, reference_speed, with_pressures
 from model_diagnosis.replay.nominal import NominalCar, nominal_car
 from model_diagnosis.replay.parameters import adjusted_parameter, nominal_value, values_of
+from model_diagnosis.replay.parts import Parts, selected
 from model_diagnosis.replay.prepared import PRESSURES, Prepared, prepare
 from model_diagnosis.replay.record import OUTPUTS, SHOWN_STATES
 from model_diagnosis.replay.sensors import own_noise
@@ -48,7 +49,7 @@ one: the prediction would gain by a wrong inertia, a wrong differential, a wrong
 
 _FREE = np.zeros(len(_GAINS) + 1)
 
-_CARS_KEPT = 256
+_CARS_KEPT, _PARTS_KEPT = 256, 6
 
 _STEPS_SHARE = 0.5
 """Share of the misfit by flow that one by steps must not exceed: such a unit follows its own pressures to their noise.
@@ -61,16 +62,6 @@ _STEP_SHARE = 0.05
 _REPLAYED = (Application.PLANT, Application.INPUT, Application.SENSOR)
 _OBSERVED_SENSORS = ("gyro_offset", "gyro_scale", "tone_ring_error")
 """Effects of sensors that the observer corrects on, so that their columns need a replay."""
-
-
-@dataclass(frozen=True)
-class _Parts:
-    """What a set of deviations makes of a manoeuvre, in two parts that most deviations do not share."""
-
-    car_key: tuple[tuple[str, float], ...]
-    car: FloatArray
-    pressure_key: tuple[tuple[str, float], ...]
-    pressures: FloatArray | None
 
 
 class Replay:
@@ -133,6 +124,8 @@ class Replay:
         self._tables = lru_cache(maxsize=_CARS_KEPT)(self._make_tables)
         nominal = self._record_at({})[0]
         self.prepared = [prepare(manoeuvre, vehicle, nominal) for manoeuvre in self.manoeuvres]
+        # fits change what acts on the pressures and what does not in turn
+        self._known = [deque[Parts](maxlen=_PARTS_KEPT) for _ in self.prepared]
         by_steps = self._pressure_misfit({})
         self.hydraulics.flows = True
         # which of the two the car has is a matter of form; a throttled return too rests above its supply
@@ -176,12 +169,16 @@ class Replay:
 
     def predict(self, theta: FloatArray, m: int) -> FloatArray:
         """Observer replay (n, c): each sample predicted from those before it, with the same gains for every theta."""
-        return self._run(theta, m, self.gains, 0)
+        prepared, deviations, known = self.prepared[m], self.deviations_at(theta), self._known[m]
+        parts = self._parts(deviations, prepared, self.gains, known=tuple(known))
+        known.append(parts)
+        return self._reported(deviations, prepared, parts)
 
     def free_run(self, theta: FloatArray, m: int, horizon_s: float | None = None) -> FloatArray:
         """Free run (n, c); with ``horizon_s`` it restarts so often at the measured wheel speeds, speed and yaw rate."""
         horizon = 0 if horizon_s is None else max(round(horizon_s / SAMPLE_TIME_S), 1)
-        return self._run(theta, m, _FREE, horizon)
+        prepared, deviations = self.prepared[m], self.deviations_at(theta)
+        return self._reported(deviations, prepared, self._parts(deviations, prepared, _FREE, horizon))
 
     def states(self, theta: FloatArray, m: int) -> dict[str, FloatArray]:
         """States of the observer replay over which residuals are looked at, name -> (n,): speed, slips, loads, …"""
@@ -334,23 +331,19 @@ class Replay:
         prepared: Prepared,
         gains: FloatArray,
         horizon: int = 0,
-        base: _Parts | None = None,
-    ) -> _Parts:
-        """Both parts of a prediction; those that the deviations leave as in ``base`` are taken from it."""
-        pressure_key = _selected(deviations, acts_on_pressures)
+        known: Iterable[Parts] = (),
+    ) -> Parts:
+        """Both parts of a prediction; those that the deviations leave as in a ``known`` one are taken from it."""
+        pressure_key = selected(deviations, acts_on_pressures)
         by_pressure = not prepared.pressure_known and prepared.hydraulics is not None
-        car_key = _selected(deviations, lambda column: by_pressure or column not in HYDRAULIC_COLUMNS)
-        if base is not None and base.pressure_key == pressure_key:
-            pressures = base.pressures
-        else:
-            pressures = self.wheel_pressures(deviations, prepared, free=not gains.any())
-        if base is not None and base.car_key == car_key:
-            car = base.car
-        else:
-            car = self.car_outputs(deviations, prepared, pressures, gains, horizon, prepared.chosen)
-        return _Parts(car_key, car, pressure_key, pressures)
+        car_key = selected(deviations, lambda column: by_pressure or column not in HYDRAULIC_COLUMNS)
+        same = next((one for one in known if one.pressure_key == pressure_key), None)
+        pressures = same.pressures if same else self.wheel_pressures(deviations, prepared, free=not gains.any())
+        same = next((one for one in known if one.car_key == car_key), None)
+        car = same.car if same else self.car_outputs(deviations, prepared, pressures, gains, horizon, prepared.chosen)
+        return Parts(car_key, car, pressure_key, pressures)
 
-    def _reported(self, deviations: Mapping[str, float], prepared: Prepared, parts: _Parts) -> FloatArray:
+    def _reported(self, deviations: Mapping[str, float], prepared: Prepared, parts: Parts) -> FloatArray:
         """What the sensors report (n, c)."""
         count = len(prepared.chosen)
         moving = measured_signals(deviations, prepared.signals[:count], parts.car, prepared.carriers)
@@ -360,10 +353,6 @@ class Replay:
         if prepared.replays_master and prepared.hydraulics is not None:
             columns.append(self.hydraulics.master(deviations, prepared.hydraulics)[:, None])
         return np.concatenate(columns, axis=1)
-
-    def _run(self, theta: FloatArray, m: int, gains: FloatArray, horizon: int) -> FloatArray:
-        prepared, deviations = self.prepared[m], self.deviations_at(theta)
-        return self._reported(deviations, prepared, self._parts(deviations, prepared, gains, horizon))
 
     def _step_of(self, theta: FloatArray, column: int) -> float:
         parameter = self.parameters[column]
@@ -388,13 +377,8 @@ class Replay:
                 return
             step = self._step_of(theta, column)
             changed = {**deviations, name: float(theta[column]) + step}
-            moved = self._reported(changed, prepared, self._parts(changed, prepared, self.gains, base=base))
+            moved = self._reported(changed, prepared, self._parts(changed, prepared, self.gains, known=(base,)))
             result[:, :, place] = (moved - reported) / step
 
         list(pool.map(derive_column, range(len(columns))))
         return result
-
-
-def _selected(deviations: Mapping[str, float], acts: Callable[[str], bool]) -> tuple[tuple[str, float], ...]:
-    """Deviations of the columns that act somewhere, to compare."""
-    return tuple(sorted((column, value) for column, value in deviations.items() if value != 0.0 and acts(column)))
