@@ -10,8 +10,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
 
+from model_diagnosis.evidence.bounded import lowest_within
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.replay_model import ReplayModel
@@ -24,9 +24,6 @@ MAXIMUM_STEPS = 12
 SHORTENINGS = 3
 SHORTEST, LONGEST = 0.1, 0.6
 """Least and largest share of a step that did not lower the cost, tried next."""
-
-MOST_BOUNDS = 30
-"""Rounds in which columns that a step carries over their bounds are held there."""
 
 COST_TOLERANCE = 0.1
 """A step that lowers the cost (twice the negative log posterior) by less, or promises less, ends a fit."""
@@ -200,20 +197,9 @@ class Problem:
         moves together would be torn apart and the step lead uphill.
         """
         low, high = (self.priors.low - theta) / self.scale, (self.priors.high - theta) / self.scale
-        step = np.zeros(len(theta))
-        held = ((low >= 0.0) & (gradient < 0.0)) | ((high <= 0.0) & (gradient > 0.0))
-        held[list(fixed)] = True
-        for _ in range(MOST_BOUNDS):
-            free, stuck = np.flatnonzero(~held), np.flatnonzero(held)
-            rest = gradient[free] - curvature[np.ix_(free, stuck)] @ step[stuck]
-            step[free] = cho_solve(cho_factor(curvature[np.ix_(free, free)]), rest)
-            over = ~held & ((step < low) | (step > high))
-            if not over.any():
-                break
-            step = np.clip(step, low, high)
-            held |= over
-        step[list(fixed)] = 0.0
-        return np.asarray(np.clip(step, np.minimum(low, 0.0), np.maximum(high, 0.0)))
+        low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
+        low[list(fixed)] = high[list(fixed)] = 0.0
+        return lowest_within(curvature, gradient, low, high)
 
     def _by_parts(
         self,

@@ -70,6 +70,19 @@ def test_dead_times_of_the_valves_are_continuous(car: VehicleFile, log: Manoeuvr
     assert np.allclose(predictions[1], middle, rtol=0.0, atol=1e-6 * np.abs(middle).max())
 
 
+def test_dead_times_have_no_kink_at_whole_milliseconds(car: VehicleFile, log: Manoeuvre) -> None:
+    """A fit rests in a kink; blended in straight lines between whole milliseconds the two slopes differ by a third."""
+    model = Replay(car, [log])
+    index = model.columns.index("outlet_valve_delay.delay")
+    predictions = []
+    for delay in (2.95e-3, 3e-3 + 1e-9, 3.05e-3):
+        theta = np.zeros(len(model.columns))
+        theta[index] = delay
+        predictions.append(model.predict(theta, 0))
+    before, after = predictions[1] - predictions[0], predictions[2] - predictions[1]
+    assert np.linalg.norm(after - before) < 0.1 * np.linalg.norm(after + before)
+
+
 def test_one_late_valve_delays_its_own_wheel_alone(car: VehicleFile, log: Manoeuvre) -> None:
     """The same wheel as with all valves late by as much, and the others as with none."""
     model = Replay(car, [log])

@@ -1,0 +1,64 @@
+"""What differs in form is taken by the form's columns: lags of the sensors, a second logger's clock, the transient."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "data"))
+
+from hidden_car import hidden_logs
+
+from model_diagnosis.effects.form import FORM_NAMES, REPLAYED
+from model_diagnosis.evidence.base import fit_base, nearer_form
+from model_diagnosis.evidence.priors import Priors
+from model_diagnosis.manoeuvre import SAMPLE_TIME_S
+from model_diagnosis.replay import Replay
+from vehicle_model.vehicle_file import VehicleFile
+
+SHARE = "form_transient.share"
+
+
+@pytest.fixture(scope="module")
+def hidden(tmp_path_factory: pytest.TempPathFactory) -> Replay:
+    """A car of the challenge's generator, all its numbers off within their scatter, by its vehicle file."""
+    vehicle, manoeuvres = hidden_logs(
+        tmp_path_factory.mktemp("hidden"), 211, ("abs_stop", "gentle_stops", "sine_steer")
+    )
+    return Replay(vehicle, manoeuvres)
+
+
+@pytest.mark.parametrize(("drive", "signal"), [(2, "roll_rate"), (2, "yaw_rate"), (1, "pitch_rate")])
+def test_turning_rates_lag_like_their_sensor(hidden: Replay, drive: int, signal: str) -> None:
+    """x(t - tau) = x - tau dx/dt for lags that are short beside the motion."""
+    theta, lag = np.zeros(len(hidden.columns)), 0.004
+    k = hidden.signals(drive).index(signal)
+    before = hidden.free_run(theta, drive)[:, k]
+    theta[hidden.columns.index("form_lag.gyro")] = lag
+    moved = hidden.free_run(theta, drive)[:, k] - before
+    expected = -lag * np.gradient(before, SAMPLE_TIME_S)
+    assert float(moved @ expected) / float(expected @ expected) == pytest.approx(1.0, abs=0.05)
+    assert float(np.corrcoef(moved, expected)[0, 1]) > 0.98
+
+
+def test_rest_of_another_loggers_clock_is_told(car: VehicleFile, replay: Replay) -> None:
+    """Half a sample beside the raster, which shifts by whole samples leave, to a fifth of a sample."""
+    late, manoeuvres = 0.005, []
+    for one in replay.manoeuvres:
+        speed = np.interp(one.time - late, one.time, one.channels["speed"])
+        manoeuvres.append(one.__class__(**{**vars(one), "channels": {**one.channels, "speed": speed}}))
+    model = Replay(car, manoeuvres, [effect for effect in REPLAYED if effect.name in FORM_NAMES])
+    fit = fit_base(model, Priors.of(model.parameters)).nothing
+    assert fit.theta[model.columns.index("form_lag.speed")] == pytest.approx(late, abs=0.002)
+
+
+def test_transient_of_the_bench_own_plant_is_that_of_the_replay(replay: Replay) -> None:
+    priors = nearer_form(replay, Priors.of(replay.parameters))
+    assert priors.centre[replay.columns.index(SHARE)] == 0.0
+
+
+def test_transient_on_the_force_is_told_from_one_on_the_slip(hidden: Replay) -> None:
+    """The generator lets the force follow."""
+    priors = nearer_form(hidden, Priors.of(hidden.parameters))
+    assert priors.centre[hidden.columns.index(SHARE)] == 1.0
