@@ -52,8 +52,8 @@ wet basalt, 16.7 on ice, 58 and 38 along); on ice behind, 79.8 % would miss:
 - *Front slip angles.* The steering yields: the front wheels turn by 3 % less than the map says (20 kN m/rad against
   the tyres' aligning moment). A stiff one takes away two thirds of what the stiff body left.
 - *D is 20 to 40 % too high.* Not the tyre: from its own slip angle and friction, through the same low-pass, the same
-  rule finds D within {true[0]:+.1f} % in front and {true[1]:+.1f} % behind (mean), with a fit in each half-wave; loads,
-  combined slip, the car's numbers and C = 1.5 are thereby out. What is wrong is the age of both parts of a pair.
+  rule finds D within {true[0]:+.1f} % in front and {true[1]:+.1f} % behind (mean), with a fit in each half-wave;
+  combined slip, the tyre's numbers and C = 1.5 are thereby out. What is wrong first is the age of both parts of a pair.
   Friction that is older than its slip angle makes a softer, straighter curve with a higher end; 10 ms move D by
   {step[0]:.0f} % in front and {step[1]:.0f} % behind, on a car with stiff body and steering. The low-pass and a step
   make 40 ms of each; the filter's slip angles lead by what it brings forward. In front of the car as it is 50 ms leave
@@ -61,15 +61,21 @@ wet basalt, 16.7 on ice, 58 and 38 along); on ice behind, 79.8 % would miss:
 
 {substitution}
   The fifth that stiff body and steering left is 8 ms of age: at one age D is right there. On the car as it is the sway
-  takes most of the age away; what is left at one age is the course of the slip angle behind, where D is {behind:+.0f} %
-  off with the tyres' own. How much of that the unknown lean makes (the filter knows 82 % of it: four springs, tyres and
-  the body's own weight on its lever stand in place of `planar.roll_stiffness`) is not separated.
+  takes most of the age away. What is left at one age is closed by substitution
+  ([table](models/vehicle_state.md#measured)): in front the axle's load, which moves by {varies:.1f} % while the body
+  heaves and pitches and which a_y/g does not know (weight {load:.0f} of {own:.0f} %); behind the slip angle (weight
+  {slip:.0f} %), by the course of the roll rate in the sway. That the filter knows 82 % of the lean (four springs, tyres
+  and the body's own weight on its lever stand in place of `planar.roll_stiffness`) makes the measured friction
+  {lean:.1f} % too large, and that has a weight of {leans[0]:.0f} % in front and {leans[1]:+.0f} % behind.
 - *The bend with friction jumps* gets no fit, and the limit stays at its start of 0.6. With the tyres' own slip angles
   and the filter's friction {bend[1]:.0f} of 4 wheels have one before the jump, with true friction and the filter's slip
   angles {bend[2]:.0f}. The slip angle comes out at {drift[0]:.2f} of the true one in front and {drift[1]:.2f} behind,
-  and falls while the friction stays: the curve turns straight. Two reasons, taken away: told of the sway {bend[3]:.0f}
-  wheels have a fit; without the tyres' pneumatic trail of 3 cm as well, which moves side force to the front axle
-  (friction behind is measured {excess:.0f} % too high), all {bend[4]:.0f}.
+  and falls while the friction stays: the curve turns straight. Told of the sway {bend[3]:.0f} wheels have a fit, and
+  slip angles are {steady[0]:.2f} and {steady[1]:.2f} of the true ones. The rest is the missing lean: a_y - v_x ω is all
+  that holds the lateral speed there, and 2 % of a_y that are gravity move it. With the true lean they are
+  {steady[2]:.2f} and {steady[3]:.2f}, with 82 % of `planar.roll_stiffness` {steady[4]:.2f} and {steady[5]:.2f}, and in
+  both cases all wheels have their fit. Without the tyres' pneumatic trail of 3 cm (friction behind is measured
+  {excess:.0f} % too high) {bend[4]:.0f} have one too, but the drift stays at {trail[0]:.2f} and {trail[1]:.2f}.
 - *Single longitudinal fits* scatter as on the planar car, by the noise. Launches and hills meet every limit; the 3 to
   5 % of the grade are pitch: on 10 % uphill the body pitches by 0.46 degrees on its springs where the model's
   `planar.pitch_stiffness` says 0.72, which is the 0.0045 that is missing.
@@ -255,7 +261,7 @@ def _mujoco_substitutions(found: dict[tuple[str, str], float]) -> dict[str, obje
     fits = "MuJoCo, dry slalom, true pairs: mean error of D %"
     later = {wheel: [found["V-34", f"MuJoCo, slip angle {ms} ms later: mean error of D %, {wheel}"] for ms in (0, 10)]
              for wheel in ("fl", "rl")}  # fmt: skip
-    bend = "MuJoCo, bend, as it is: "
+    bend, told = "MuJoCo, bend, as it is: ", "MuJoCo, sway told"
     cases = (
         "as it is: own",
         "as it is: slip angle",
@@ -269,9 +275,23 @@ def _mujoco_substitutions(found: dict[tuple[str, str], float]) -> dict[str, obje
         "sway": [found["V-25", f"MuJoCo, sway told: {name} %"] for name in QUANTITIES],
         "true": [found["V-34", f"{fits}, {axle}"] for axle in axles],
         "step": [now - moved for now, moved in later.values()],
-        "behind": found["V-34", "MuJoCo, as it is: slip angle: mean error of D %, rear"],
+        "varies": found["V-34", f"{told}, one age: axle load varies by %, front"],
+        "own": found["V-34", f"{told}, one age: own pairs: median error of D %, front"],
+        "load": found["V-34", f"{told}, one age: weight of axle load in D %, front"],
+        "slip": found["V-34", f"{told}, one age: weight of slip angle in D %, rear"],
+        "lean": found["V-34", f"{told}: friction too large by the missing lean %"],
+        "leans": [found["V-34", f"{told}, one age: weight of lean in D %, {axle}"] for axle in axles],
         "bend": [found["V-27", f"MuJoCo, bend, {case}: wheels with a fit"] for case in cases],
         "drift": [found["V-27", f"{bend}slip_angle over the true one, {wheel}"] for wheel in later],
+        "steady": [
+            found["V-27", f"MuJoCo, bend, sway told, {car}: slip_angle over the true one, {wheel}"]
+            for car in ("own", "true lean", "roll stiffness told")
+            for wheel in later
+        ],
+        "trail": [
+            found["V-27", f"MuJoCo, bend, sway told, no trail: slip_angle over the true one, {wheel}"]
+            for wheel in later
+        ],
         "excess": 100.0 * (found["V-27", f"{bend}friction over the true one, rl"] - 1.0),
         "substitution": _substitution_table(found),
     }

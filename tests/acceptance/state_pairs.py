@@ -3,11 +3,12 @@
 All angles and frictions are the document's: to the right is positive, a positive slip angle makes a positive force.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from state_runs import Drive, true_share
+from state_runs import Columns, Drive, true_share
 
 import estimators
 from estimators.channels import CHANNELS
@@ -39,12 +40,24 @@ class Wheel:
 
 
 class Pairs:
-    """A replay of the lateral filter without noise that keeps its pairs."""
+    """A replay of the lateral filter without noise that keeps its pairs.
 
-    def __init__(self, run: Drive, settings: dict[str, Any]) -> None:
+    ``change`` alters the signals that it is fed with, ``vehicle`` the car that it is told of.
+    """
+
+    def __init__(
+        self,
+        run: Drive,
+        settings: dict[str, Any],
+        *,
+        change: Callable[[Columns, Drive], None] | None = None,
+        vehicle: dict[str, float] | None = None,
+    ) -> None:
         self.run = run
-        self.estimator = estimators.create("vehicle_state_ukf", run.vehicle, settings)
+        self.estimator = estimators.create("vehicle_state_ukf", vehicle or run.vehicle, settings)
         columns = run.columns(self.estimator.inputs, None, {})
+        if change is not None:
+            change(columns, run)
         ages = {CHANNELS[name].age: run[CHANNELS[name].age] for name in columns}
         self.ends, rows = [], []
         first, length = 0, len(run["time"])

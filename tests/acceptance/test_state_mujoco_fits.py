@@ -190,8 +190,9 @@ def before_the_jump(pairs: Pairs, part: str) -> int:
 def test_in_the_bend_the_slip_angle_hides_the_curve(record: Record) -> None:
     """No wheel has a fit; with the tyres' own slip angles and the filter's friction all have one.
 
-    Two things hide it: the sway while the car turns in, and the tyres' pneumatic trail, which moves side force from the
-    rear axle to the front one: the friction behind is then measured too high, and the slip angle drifts to less.
+    The sway while the car turns in hides it, and the missing lean, by which the slip angle drifts to less
+    (``test_state_mujoco_rests.py``). Without the tyres' pneumatic trail, which moves side force from the rear axle to
+    the front one, all have a fit as well, but the slip angle drifts as before: the trail is not the reason for that.
     """
     bend = {
         "as it is": pairs_of("mu_jump_in_bend", "as it is"),
