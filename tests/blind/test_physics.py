@@ -92,6 +92,21 @@ def test_braking_moves_m_a_h_over_l_to_the_front() -> None:
     assert load.sum() == pytest.approx(1296.0 * GRAVITY_M_S2, rel=1e-9)
 
 
+@pytest.mark.parametrize("axle", [0, 1], ids=["front", "rear"])
+def test_support_of_an_axle_takes_its_own_moment_from_the_springs(axle: int) -> None:
+    """Settled: (K - m g h) theta = -h sum F + tan(eps) F_axle times that axle's arm about the centre of gravity."""
+    press = Script("brake", 30.0, 4.0, ramps((0, 0), (0.5, 90), (9, 90)), nothing, nothing)
+    tangent = [0.0, 0.0]
+    tangent[axle] = 0.1
+    car = _changed(drag_area=0.0, support_tangent=tangent)
+    out = simulate(as_record(car), press.drive())
+    force = _columns(out, "force_x")[-1]
+    stiffness, _ = pitch_rates(as_record(car))
+    taken = 0.1 * force[2 * axle : 2 * axle + 2].sum() * (1.25, 1.32)[axle]
+    expected = (-0.535 * force.sum() + taken) / (stiffness - 1296.0 * GRAVITY_M_S2 * 0.535)
+    assert out[-1, INDEX["pitch_angle"]] == pytest.approx(expected, rel=0.01)
+
+
 def test_pitch_rings_with_its_own_frequency() -> None:
     """After release of the brake: damped natural frequency of the second-order body."""
     car = nominal_car()

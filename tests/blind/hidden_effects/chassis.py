@@ -51,13 +51,26 @@ def wheel_place(car: Any, i: int) -> tuple[float, float]:
 
 
 @njit(cache=True)
+def link_load(car: Any, force_x: FloatArray) -> float:
+    """Load [N] that the links carry past the springs from the rear axle to the front one.
+
+    F_x tan(eps) of an axle turns the body with that axle's arm, the pitch angle changes, the steady
+    load transfer does not. A body without heave takes it as a pair of forces at both axles.
+    """
+    front, rear = car.cg_to_front, car.wheelbase - car.cg_to_front
+    at_front = (force_x[0] + force_x[1]) * car.support_tangent[0] * front
+    at_rear = (force_x[2] + force_x[3]) * car.support_tangent[1] * rear
+    return -(at_front + at_rear) / car.wheelbase
+
+
+@njit(cache=True)
 def wheel_loads(car: Any, state: FloatArray, force_x: FloatArray, force_y: FloatArray, load: FloatArray) -> None:
     """Vertical loads [N] from springs, dampers and links; ``force_x``, ``force_y`` (4,) in the car's axes."""
     front_share = (car.wheelbase - car.cg_to_front) / car.wheelbase
     weight = car.mass * GRAVITY_M_S2
     stiffness, damping = pitch_rates(car)
     pressure = 0.5 * car.air_density * state[VX] * state[VX]
-    links = -(force_x[0] + force_x[1]) * car.support_tangent[0] - (force_x[2] + force_x[3]) * car.support_tangent[1]
+    links = link_load(car, force_x)
     along = (stiffness * state[PITCH] + damping * state[PITCH_RATE]) / car.wheelbase + links
     for axle in range(2):
         k, c = roll_rates(car, axle)
@@ -103,7 +116,7 @@ def derivatives(
     roll_inertia, pitch_inertia = sprung_inertias(car)
     stiffness, damping = pitch_rates(car)
     weight_moment = car.mass * GRAVITY_M_S2 * car.cg_height
-    links = -(force_x[0] + force_x[1]) * car.support_tangent[0] - (force_x[2] + force_x[3]) * car.support_tangent[1]
+    links = link_load(car, force_x)
     pitch = -car.cg_height * sum_x - stiffness * state[PITCH] - damping * state[PITCH_RATE]
     rate[PITCH] = state[PITCH_RATE]
     rate[PITCH_RATE] = (pitch + weight_moment * state[PITCH] - car.wheelbase * links) / pitch_inertia
