@@ -54,8 +54,8 @@ def wheel_place(car: Any, i: int) -> tuple[float, float]:
 def link_load(car: Any, force_x: FloatArray) -> float:
     """Load [N] that the links carry past the springs from the rear axle to the front one.
 
-    F_x tan(eps) of an axle turns the body with that axle's arm, the pitch angle changes, the steady
-    load transfer does not. A body without heave takes it as a pair of forces at both axles.
+    F_x tan(eps) of an axle turns the body with that axle's arm: the pitch angle changes, the steady load transfer does
+    not. A body without heave takes it as a pair of forces at both axles.
     """
     front, rear = car.cg_to_front, car.wheelbase - car.cg_to_front
     at_front = (force_x[0] + force_x[1]) * car.support_tangent[0] * front
