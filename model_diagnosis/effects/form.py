@@ -97,6 +97,7 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         EffectParameter("accelerometer", "s", -0.003, 0.02, 0.003, 0.003, relative=False),
         EffectParameter("gyro", "s", -0.02, 0.02, 0.003, 0.003, relative=False),
         EffectParameter("wheel_speed", "s", -0.02, 0.02, 0.003, 0.003, relative=False),
+        # half a sample of the shift, and 5 ms by which the car's pitch leads the correlation astray
         EffectParameter("speed", "s", -0.02, 0.02, 0.006, 0.006, relative=False),
         EffectParameter("steering", "1", -0.9, 4.0, 0.3, 0.3),
     ),

@@ -70,12 +70,14 @@ def test_dead_times_of_the_valves_are_continuous(car: VehicleFile, log: Manoeuvr
     assert np.allclose(predictions[1], middle, rtol=0.0, atol=1e-6 * np.abs(middle).max())
 
 
-def test_dead_times_have_no_kink_at_whole_milliseconds(car: VehicleFile, log: Manoeuvre) -> None:
-    """A fit rests in a kink; blended in straight lines between whole milliseconds the two slopes differ by a third."""
+@pytest.mark.parametrize("valve", ["inlet", "outlet"])
+def test_dead_times_have_no_kink_at_whole_milliseconds(car: VehicleFile, log: Manoeuvre, valve: str) -> None:
+    """A fit rests in a kink. At 5 ms commands cross a sample of the log: blended in straight lines between whole
+    milliseconds, the slopes before and after differ by 0.44 and 0.52 of their sum, smoothly by 0.02 and 0.03."""
     model = Replay(car, [log])
-    index = model.columns.index("outlet_valve_delay.delay")
+    index = model.columns.index(f"{valve}_valve_delay.delay")
     predictions = []
-    for delay in (2.95e-3, 3e-3 + 1e-9, 3.05e-3):
+    for delay in (4.95e-3, 5e-3 + 1e-9, 5.05e-3):
         theta = np.zeros(len(model.columns))
         theta[index] = delay
         predictions.append(model.predict(theta, 0))
