@@ -103,7 +103,7 @@ def replayed(path: Path, speed: float = 1.0) -> Iterator[Timed]:
     InputError
         If there is no such log, or it cannot be read.
     """
-    import can
+    from bench.links.python_can_library import can
 
     if not path.is_file():
         raise InputError(f"{path}: no such log", allowed="a log of CAN frames: .blf, .asc, .log, .csv, .trc")

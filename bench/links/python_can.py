@@ -30,7 +30,7 @@ class PythonCanLink(Link):
     """
 
     def __init__(self, interface: str, channel: str, bit_rate: int | None, role: str) -> None:
-        import can
+        from bench.links.python_can_library import can
 
         text = f"{interface}:{channel}" + (f"@{bit_rate}" if bit_rate else "")
         super().__init__(interface, text, (channel,), role, supports_lockstep=False)

@@ -119,12 +119,11 @@ def _open_slcan(text: str, rest: str, role: str) -> Link:
 
 
 def _open_python_can(text: str, kind: str, rest: str, role: str) -> Link:
-    from can.interfaces import VALID_INTERFACES
-
     from bench.links.python_can import PythonCanLink
+    from bench.links.python_can_library import can
 
-    if kind not in VALID_INTERFACES:
-        nearest = nearest_name(kind, [*OWN_KINDS, *VALID_INTERFACES])
+    if kind not in can.VALID_INTERFACES:
+        nearest = nearest_name(kind, [*OWN_KINDS, *can.VALID_INTERFACES])
         raise InputError(f"link {text!r}: no kind of link is called {kind!r}", allowed=_FORMS, nearest=nearest)
     channel, _, bit_rate = rest.partition("@")
     if not channel:

@@ -10,17 +10,16 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import can
 import numpy as np
-from can.io.blf import FILE_HEADER_SIZE, BLFParseError, BLFReader, BLFWriter
 from numpy.typing import NDArray
 
 from bench.links.frame import BIT_RATE_SWITCH, ERROR, EXTENDED, FD, FRAME_DTYPE, REMOTE, TRANSMITTED
+from bench.links.python_can_library import blf, can
 
 CONTAINER_BYTES = 8192
 _HEAD = struct.Struct("<qqIBBBB")
 _MILLISECOND_NS = 1_000_000
-_BROKEN = (BLFParseError, struct.error, zlib.error, ValueError, TypeError, LookupError, ArithmeticError, EOFError)
+_BROKEN = (blf.BLFParseError, struct.error, zlib.error, ValueError, TypeError, LookupError, ArithmeticError, EOFError)
 """What the reader raises where a killed writer left half an object."""
 
 
@@ -75,7 +74,7 @@ def _flags(message: can.Message) -> int:
     )
 
 
-class BlfFile(BLFWriter):  # type: ignore[misc]
+class BlfFile(blf.BLFWriter):  # type: ignore[misc]
     """BLF writer whose file can be read up to the last :meth:`checkpoint` if its process is killed."""
 
     start_timestamp: float | None
@@ -137,9 +136,9 @@ class AscFile:
 
 def read_blf(path: Path) -> NDArray[np.void]:
     """Frames of a BLF file, up to where it is whole: a killed writer leaves half a container at the end."""
-    if path.stat().st_size < FILE_HEADER_SIZE:
+    if path.stat().st_size < blf.FILE_HEADER_SIZE:
         return np.zeros(0, FRAME_DTYPE)
-    with BLFReader(path) as reader:
+    with blf.BLFReader(path) as reader:
         start_ns = round(reader.start_timestamp * 1e3) * _MILLISECOND_NS
         reader.start_timestamp = 0.0
         return from_messages(_until_broken(reader), start_ns)

@@ -20,6 +20,8 @@ from signals.errors import LinkError, RunError
 
 PEER = Path(__file__).with_name("lockstep_peer.py")
 TICKS = 400
+START_PATIENCE_S = 240.0
+"""A kernel in user mode on a busy machine imports and compiles for minutes; a peer that ends is seen at once."""
 
 
 @pytest.fixture(params=["udp", "udp_loopback"])
@@ -75,7 +77,7 @@ def run_in_two_processes(kind: str, tmp_path: Path, disturb=None) -> tuple[str, 
     with open_link(kind, role="bench") as link:
         barrier = BarrierServer(tmp_path / "barrier")
         peer = start_peer(link.text, barrier)
-        barrier.wait_for_peer(30.0, lambda: peer.poll() is None)
+        barrier.wait_for_peer(START_PATIENCE_S, lambda: peer.poll() is None)
         frames, count = new_frames(4096), 0
         for tick in range(TICKS):
             if disturb is not None:
