@@ -12,13 +12,26 @@ from bench.codec.codec import Codec
 from bench.links.frame import new_frames
 from bench.links.interface import Link
 from bench.sensor_cluster.microcontroller import REQUESTS, Microcontroller, Plausibility
-from bench.sensor_cluster.sensor_block import CHANNELS, SILENT_LINE
-from bench.sensor_cluster.words import WORD_BYTES
+from bench.sensor_cluster.sensor_block import CHANNELS, FIRST_ADDRESS, SILENT_LINE
+from bench.sensor_cluster.words import WORD_BYTES, IntArray, address_of, is_intact
 from signals.catalogue import block_slice, index_of
 from signals.errors import LinkError
 
 TICK_S = 1e-3
 MOST_FRAMES = 64
+PAUSE_S = 0.03
+"""Without a question: longer than the 20 ms after which the slave drops an unfinished word."""
+
+
+def out_of_step(answers: IntArray) -> bool:
+    """True where the line speaks and at most one of the answers (7,) stands in its place.
+
+    A chip select would frame the words; over a serial line a byte too many, or an answer that came after it was given
+    up, shifts all that follow; one may look right, for the first channel is asked for twice.
+    """
+    channels = answers[1:]
+    placed = [is_intact(word) and address_of(word) == FIRST_ADDRESS + k for k, word in enumerate(channels)]
+    return sum(placed) <= 1 and bool(np.any(channels != SILENT_LINE))
 
 
 def run_microcontroller(link: Link, device: str, baud_rate: int, ended: Callable[[], int]) -> dict[str, int]:
@@ -59,7 +72,8 @@ def run_microcontroller(link: Link, device: str, baud_rate: int, ended: Callable
                 answers[:] = [
                     int.from_bytes(reply[k : k + WORD_BYTES], "big") for k in range(0, len(reply), WORD_BYTES)
                 ]
-            else:
+            if len(reply) < len(question) or out_of_step(answers):
+                time.sleep(PAUSE_S)
                 port.reset_input_buffer()
                 answers[:] = SILENT_LINE
             valid = twin.take(answers)

@@ -18,10 +18,13 @@ from serial_line import NullModem
 import bench
 from bench.links.frame import TRANSMITTED
 from bench.scenario.resolution import resolve
+from bench.sensor_cluster.microcontroller import REQUESTS
+from bench.sensor_cluster.words import WORD_BYTES
 
 STOP = Path(__file__).parents[1] / "bench" / "whole_runs" / "short_stop.yaml"
 LOCKSTEP = {"pacing": "lockstep", "ecu.kind": "inprocess", "estimators": {"friction_ekf": {}}}
 INERTIAL = 0x130
+START_PATIENCE_S = 120.0
 
 
 def in_process(**changes: Any) -> bench.Run:
@@ -70,14 +73,24 @@ def test_a_line_with_bit_errors_costs_samples_and_no_wrong_value(record: Callabl
     assert difference < 0.02
 
 
+def await_questions(modem: NullModem, process: "subprocess.Popen[bytes]") -> None:
+    """Until it has asked ten times without an answer: what it needs is compiled."""
+    end = time.monotonic() + START_PATIENCE_S
+    while modem.bytes_written[1] < 10 * len(REQUESTS) * WORD_BYTES:
+        assert process.poll() is None, f"the microcontroller ended with exit code {process.returncode}"
+        assert time.monotonic() < end, f"the microcontroller asked nothing within {START_PATIENCE_S:g} s"
+        time.sleep(0.05)
+
+
 @pytest.fixture
 def microcontroller() -> Iterator[tuple[str, str]]:
-    """Serial line to, and CAN link of, a microcontroller in another process."""
+    """Serial line to, and CAN link of, a microcontroller in another process, which asks already."""
     modem = NullModem()
     link = f"udp:239.192.{secrets.randbelow(256)}.{1 + secrets.randbelow(250)}:{20000 + secrets.randbelow(20000)}"
     command = [sys.executable, "-m", "bench.cli", "cluster", "--spi", modem.ends[1], "--link", link]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     try:
+        await_questions(modem, process)
         yield modem.ends[0], link
     finally:
         process.terminate()
@@ -92,7 +105,6 @@ def test_microcontroller_of_its_own_reads_the_bench_s_sensor_block(
 ) -> None:
     """Real time, three processes: its frames reach estimator and ECU; the bench sends no inertial frames itself."""
     device, link = microcontroller
-    time.sleep(1.0)
     changes = {
         "pacing": "realtime",
         "ecu.kind": "emulated",

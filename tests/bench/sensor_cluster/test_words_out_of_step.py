@@ -1,0 +1,83 @@
+"""Master and slave on a serial line that lose each other's words, as a process that had to wait makes them do."""
+
+import secrets
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from serial_line import NullModem
+
+from bench.links.frame import new_frames
+from bench.links.registry import open_link
+from bench.sensor_cluster.microcontroller import REQUESTS
+from bench.sensor_cluster.process import out_of_step, run_microcontroller
+from bench.sensor_cluster.sensor_block import CHANNELS, FIRST_ADDRESS, SERVED, SILENT_LINE, SensorBlock
+from bench.sensor_cluster.words import read_request
+
+INERTIAL = 0x130
+PATIENCE_S = 60.0
+
+
+def _until(condition, text: str) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < end, text
+        time.sleep(0.01)
+
+
+def _answers(block: SensorBlock) -> np.ndarray:
+    return np.array([block.transfer(int(word)) for word in REQUESTS], np.int64)
+
+
+def test_answers_in_their_places_are_in_step_and_shifted_ones_are_not(tmp_path: Path) -> None:
+    block = SensorBlock(tmp_path / "registers")
+    assert not out_of_step(np.full(len(REQUESTS), SILENT_LINE, np.int64))
+    block.supply(True)
+    for _ in range(200):
+        block.transfer(read_request(FIRST_ADDRESS))
+    _answers(block)
+    answers = _answers(block)
+    assert not out_of_step(answers)
+    assert all(out_of_step(np.roll(answers, shift)) for shift in range(1, len(CHANNELS)))
+    shifted = np.frombuffer(b"\0" + answers.astype(">u4").tobytes()[:-1], ">u4").astype(np.int64)
+    assert out_of_step(shifted)
+
+
+@pytest.mark.parametrize(("end", "stray"), [(0, b"\x12"), (0, b"\x12\x34\x56"), (1, b"\x12\x34"), (1, b"\0" * 12)])
+def test_stray_bytes_on_either_side_cost_some_frames_only(tmp_path: Path, end: int, stray: bytes) -> None:
+    """Bytes too many in a question (at end 0) or an answer (at end 1), in the middle of the traffic: frames go on."""
+    block, modem = SensorBlock(tmp_path / "registers"), NullModem()
+    block.supply(True)
+    block.set(np.zeros(len(CHANNELS)), np.arange(len(CHANNELS)))
+    text = f"udp:239.192.{secrets.randbelow(256)}.{1 + secrets.randbelow(250)}:{20000 + secrets.randbelow(20000)}"
+    command = [sys.executable, "-m", "bench.sensor_cluster.slave_process"]
+    command += ["--registers", str(tmp_path / "registers"), "--device", modem.ends[0]]
+    ended, heard, count = threading.Event(), new_frames(4096), [0]
+    with open_link(text, role="bench") as sending, open_link(text, role="ecu") as witness:
+        slave = subprocess.Popen(command)
+        master = threading.Thread(
+            target=run_microcontroller, args=(sending, modem.ends[1], 1_000_000, ended.is_set), daemon=True
+        )
+
+        def arrived() -> int:
+            got = witness.receive(heard)
+            count[0] += int(np.sum(heard["identifier"][:got] == INERTIAL))
+            return count[0]
+
+        try:
+            _until(lambda: block.memory[SERVED] > 0, "the slave did not start")
+            master.start()
+            _until(lambda: arrived() > 20, "no frames to begin with")
+            modem.disturb(end, stray)
+            before = arrived()
+            _until(lambda: arrived() > before + 50, "no frames after the stray bytes")
+        finally:
+            ended.set()
+            master.join(5.0)
+            slave.terminate()
+            slave.wait(20)
+            modem.close()
