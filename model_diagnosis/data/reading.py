@@ -8,6 +8,7 @@ import numpy as np
 
 from model_diagnosis.data.drives import Drive, begin_s, duration_s, join_loggers, split_at_pauses
 from model_diagnosis.data.grid import on_grid
+from model_diagnosis.data.lost_frames import mask_lost_frames
 from model_diagnosis.data.sample_timing import check_cut_frames, check_timing
 from model_diagnosis.data.sample_values import VALUE_CHECKS, check_resting_pressures, is_motion
 from model_diagnosis.data.samples import Samples, missing_channels, read_samples
@@ -66,7 +67,7 @@ def check_samples(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], 
         for check in (check_markers, *VALUE_CHECKS):
             checked[name], found = check(checked[name])
             faults += found
-    return checked, faults
+    return mask_lost_frames(checked), faults
 
 
 def _missing(paths: Sequence[str | Path], channel_map: ChannelMap, found: Sequence[str]) -> list[DataFault]:
