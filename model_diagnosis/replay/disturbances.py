@@ -114,11 +114,12 @@ def _moved(replay: Replay, theta: FloatArray, m: int) -> dict[str, FloatArray]:
     change_record(cars, deviations)
     derive(cars)
     tried = {"N": 0.005 * 9.81 * float(cars[0]["mass"]), "N m": 0.01 * float(np.sum(cars[0]["static_load"])) * 0.1}
-    pressures = replay.wheel_pressures(deviations, prepared)
+    pressures = replay.pressures.at(deviations, prepared)
     inputs, corrected = replay.inputs_at(deviations, prepared, pressures), prepared.corrected_at(deviations)
     fixed = (
         replay.tables_at(deviations),
         inputs,
+        prepared.between,
         corrected,
         prepared.valid,
         prepared.start,
@@ -155,7 +156,8 @@ def _pressure_answers(replay: Replay, deviations: Mapping[str, float], prepared:
     valid = prepared.pressure_valid
     measured = np.ascontiguousarray(replay.inputs_at(deviations, prepared, None)[:, :4])
     usual, shifted = (
-        replay.hydraulics.wheels(deviations, prepared.hydraulics, measured + shift, valid) for shift in (0.0, _TRIED_PA)
+        replay.pressures.unit.wheels(deviations, prepared.hydraulics, measured + shift, valid)
+        for shift in (0.0, _TRIED_PA)
     )
     kept, samples = (shifted - usual) / _TRIED_PA, prepared.manoeuvre.samples
     found = {}
@@ -181,7 +183,7 @@ def _sensor_answers(replay: Replay, deviations: Mapping[str, float], prepared: P
 
     The signal is the predicted one: the measured one holds the noise that the residual consists of.
     """
-    pressures = replay.wheel_pressures(deviations, prepared)
+    pressures = replay.pressures.at(deviations, prepared)
     predicted = replay.car_outputs(deviations, prepared, pressures, replay.gains, 0, prepared.chosen)
     found = {}
     for name in (*_SENSORS, *_SCALED):

@@ -3,10 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import minimum_filter1d
 from scipy.signal import lfilter
 
 from hydraulics.parameters import PARAMETERS
@@ -19,6 +20,7 @@ from model_diagnosis.effects.hydraulics import HYDRAULICS_EFFECTS
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.hydraulic_run import hydraulic_run
 from model_diagnosis.replay.smoothing import pressure_without_noise
+from model_diagnosis.replay.state import SUBSTEPS
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -36,8 +38,19 @@ _THRESHOLD = "hydraulics.pressure_change_threshold"
 _EVERY_CHANGE_PA = 1e3
 _PUMP_SAMPLES = 50
 _VALVES = ("inlet", "outlet")
+_OF_VALVES = (
+    "inlet_valve_delay",
+    "outlet_valve_delay",
+    "outlet_valve_conductance",
+    "pump_rate",
+    "low_pressure_accumulator_full",
+)
+"""Effects of what fluid passes only while a valve is moved, or comes from there."""
 _WHOLE = 1e-9
 _UNITS_KEPT = 64
+_TELLING_PA = 1e5
+"""Change of a pressure within a sample that its sensor's noise does not hide: three deviations of a series sensor's."""
+_NOTHING_BETWEEN = np.zeros((0, SUBSTEPS, 4))
 
 HYDRAULIC_COLUMNS: Mapping[str, EffectParameter] = {
     column: parameter
@@ -54,9 +67,15 @@ _PATHS: Mapping[str, tuple[str, ...]] = {
 """Numbers of the vehicle that each of them changes."""
 
 
+@cache
 def acts_on_pressures(column: str) -> bool:
     """True for a column that changes the pressures of the wheel brakes or their sensors."""
     return column in HYDRAULIC_COLUMNS or column.startswith("pressure_sensor_")
+
+
+def acts_by_valves(column: str) -> bool:
+    """True for a column that changes nothing as long as no valve is moved."""
+    return column.partition(".")[0] in _OF_VALVES
 
 
 @dataclass(frozen=True)
@@ -80,6 +99,11 @@ class HydraulicLog:
     commanded: bool
     wheel_speed: FloatArray
     cornering: NDArray[np.bool_]
+
+    @property
+    def switched(self) -> bool:
+        """True where a valve was moved."""
+        return bool(self.inlet.any() or self.outlet.any())
 
 
 def read_hydraulics(manoeuvre: Manoeuvre) -> HydraulicLog | None:
@@ -174,15 +198,45 @@ class HydraulicReplay:
         changes = tuple((column, value) for column, value in deviations.items() if column in _PATHS)
         total = np.zeros((len(master), 4))
         out = np.empty_like(total)
-        # dead times of valves that nobody switches say nothing: one run instead of four
-        switched = bool(log.inlet.any() or log.outlet.any())
-        for share, record in self._units(changes, switched, self.flows):
+        # dead times of valves that nobody switches say nothing: one run instead of five
+        for share, record in self._units(changes, log.switched, self.flows):
             hydraulic_run(
                 record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump, log.wheel_speed,
-                log.cornering, measured, valid, volume, return_kept, gain, least, _DEAD_BAND * noise, out,
+                log.cornering, measured, valid, volume, return_kept, gain, least, _DEAD_BAND * noise,
+                _NOTHING_BETWEEN, out,
             )  # fmt: skip
             total += share * out
         return total
+
+    def between_samples(
+        self, log: HydraulicLog, measured: FloatArray, valid: FloatArray, least: FloatArray
+    ) -> FloatArray:
+        """Pressures (n, SUBSTEPS, 4) [Pa] beside the straight lines between samples, in the middle of the car's steps.
+
+        Valves switch within a sample. The vehicle's own unit tells the course; where its change over a sample is not
+        the measured one, it has switched at another instant or not at all, and tells so much the less.
+
+        Parameters
+        ----------
+        measured, valid : (n, 4) wheel pressures [Pa], 1 where they hold
+        least : (n, 4) least gains
+        """
+        shape = len(measured), SUBSTEPS, 4
+        between, out = np.zeros(shape), np.empty((len(measured), 4))
+        master = log.master if log.master is not None else self.master({}, log)
+        ((_, record),) = self._units((), False, self.flows)
+        hydraulic_run(
+            record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump, log.wheel_speed,
+            log.cornering, measured, valid, 0.0, 0.0, 1.0, least, 0.0, between, out,
+        )  # fmt: skip
+        off = np.zeros_like(out)
+        off[1:] = valid[1:] * np.abs(measured[1:] - out[1:])
+        moved = np.abs(np.diff(out, axis=0, prepend=out[:1]))
+        size = np.maximum(moved, np.abs(between).max(axis=1))
+        # a rise and fall within one sample shows at neither end: who is wrong in the next samples is wrong in it too
+        trust = np.where(size > _TELLING_PA, np.clip(1.0 - off / np.maximum(size, _TELLING_PA), 0.0, 1.0), 1.0)
+        trust = minimum_filter1d(trust, 3, axis=0, mode="nearest")
+        return np.asarray(between * trust[:, None, :])
 
     def _make_units(
         self, changes: tuple[tuple[str, float], ...], switched: bool, flows: bool

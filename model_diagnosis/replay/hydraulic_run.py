@@ -10,9 +10,11 @@ from hydraulics.pressure import hcu_step, line_pressure
 from hydraulics.record import HOLD, INCREASE
 from hydraulics.valves import stiffness
 from model_diagnosis.replay.record import Record
+from model_diagnosis.replay.state import SUBSTEPS
 
 TICKS = 10
 """Steps of 1 ms within a sample."""
+_TICKS_OF_STEP = TICKS // SUBSTEPS
 
 _RELEASED_PA = 5e4
 
@@ -60,6 +62,15 @@ def _throttle_return(s: Record, wheel: int, before: float, supply: float, kept: 
 
 
 @njit(cache=True, nogil=True)
+def _leave_line(between: NDArray[np.float64], begin: NDArray[np.float64], s: Record) -> None:
+    """Take the straight line from ``begin`` to where the pressures are now off those between (SUBSTEPS, 4)."""
+    for j in range(SUBSTEPS):
+        share = (j + 0.5) / SUBSTEPS
+        for i in range(4):
+            between[j, i] -= begin[i] + share * (s.pressure[i] - begin[i])
+
+
+@njit(cache=True, nogil=True)
 def hydraulic_run(
     parameters: NDArray[np.void],
     memory: NDArray[np.void],
@@ -76,6 +87,7 @@ def hydraulic_run(
     gain: float,
     least: NDArray[np.float64],
     dead_band: float,
+    between: NDArray[np.float64],
     out: NDArray[np.float64],
 ) -> None:
     """Wheel pressures before each sample's correction.
@@ -96,17 +108,21 @@ def hydraulic_run(
     least : (n, 4) least gains, where the observer begins anew behind a gap of the inputs
     dead_band : difference [Pa] up to which the observer leaves the pressure alone. Noise above the supply flows back at
         once and noise below it is filled up slowly: corrected on, it would lower the mean
+    between : (n, SUBSTEPS, 4) pressures [Pa] in the middle of the car's steps before each sample, beside the straight
+        line from the correction before to the sample; without rows they are not kept
     out : (n, 4) Pa
     """
     p = parameters[0]
     s = memory[0]
-    unused, gap = np.zeros(18), np.zeros(4)
+    unused, gap, begin = np.zeros(18), np.zeros(4), np.zeros(4)
     for i in range(4):
         s.previous_state[i] = -1
         s.pressure[i] = measured[0, i] if valid[0, i] > 0.0 else master[0]
         s.disc_temperature[i] = p.disc_start_temperature[i]
     for k in range(master.shape[0]):
         if k > 0:
+            for i in range(4):
+                begin[i] = s.pressure[i]
             for tick in range(TICKS):
                 nearest = k - 1 if 2 * tick < TICKS else k
                 supply = master[k - 1] + (tick + 1) / TICKS * (master[k] - master[k - 1])
@@ -127,6 +143,11 @@ def hydraulic_run(
                     gap[1] = _fill_gap(p, s, 1, before_1, gap[1])
                     gap[2] = _fill_gap(p, s, 2, before_2, gap[2])
                     gap[3] = _fill_gap(p, s, 3, before_3, gap[3])
+                if len(between) and tick % _TICKS_OF_STEP == _TICKS_OF_STEP // 2 - 1:
+                    for i in range(4):
+                        between[k, tick // _TICKS_OF_STEP, i] = s.pressure[i]
+            if len(between):
+                _leave_line(between[k], begin, s)
         for i in range(4):
             out[k, i] = s.pressure[i]
             if valid[k, i] > 0.0:

@@ -27,5 +27,5 @@ class Parts:
 
 
 def selected(deviations: Mapping[str, float], acts: Callable[[str], bool]) -> Key:
-    """Deviations of the columns that act somewhere, to compare."""
-    return tuple(sorted((column, value) for column, value in deviations.items() if value != 0.0 and acts(column)))
+    """Deviations of the columns that act somewhere, to compare; the same ones in the same order."""
+    return tuple([(column, value) for column, value in deviations.items() if value != 0.0 and acts(column)])

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from model_diagnosis.replay.hydraulic import HydraulicLog, read_hydraulics
 from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of, turning
 from model_diagnosis.replay.record import CORRECTED, OUTPUTS
 from model_diagnosis.replay.smoothing import pressure_without_noise
+from model_diagnosis.replay.state import SUBSTEPS
 from signals.errors import InputError
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
@@ -61,6 +63,7 @@ class Prepared:
     driving : channels as they drive the replay: pressures without their sensors' noise
     hydraulics : None where the log tells nothing of them
     pressure_known, pressure_valid : True where all wheel pressures were measured; (n, 4) 1 where they hold
+    between : (n, SUBSTEPS, 4) wheel pressures beside the straight lines between samples [Pa]
     carriers : (n, 4) phases of the tone rings; None without wheel speeds
     least, pressure_least : (n, 6), (n, 4) least gains of the observer, where it begins anew behind a gap of the inputs
     """
@@ -78,6 +81,7 @@ class Prepared:
     hydraulics: HydraulicLog | None
     pressure_known: bool
     pressure_valid: FloatArray
+    between: FloatArray
     carriers: FloatArray | None
     least: FloatArray
     pressure_least: FloatArray
@@ -94,8 +98,13 @@ class Prepared:
 
     def drives(self, column: str) -> bool:
         """True if a deviation changes what drives the replay: of a sensor, or of the car where inputs are inferred."""
-        inferred = bool(self.inputs.inferred.any())
-        return column in PRESSURE_COLUMNS or (inferred and (column in ACCELERATION_COLUMNS or column in RECORD_COLUMNS))
+        if column in PRESSURE_COLUMNS:
+            return True
+        return self._infers_inputs and (column in ACCELERATION_COLUMNS or column in RECORD_COLUMNS)
+
+    @cached_property
+    def _infers_inputs(self) -> bool:
+        return bool(self.inputs.inferred.any())
 
     def corrected_at(self, deviations: Mapping[str, float]) -> FloatArray:
         """Signals that the observer corrects on, freed of what the sensors' effects put on them."""
@@ -162,6 +171,7 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile, car: np.void) -> Prepare
         hydraulics=hydraulics,
         pressure_known=known,
         pressure_valid=pressure_valid,
+        between=np.zeros((manoeuvre.samples, SUBSTEPS, len(WHEELS))),
         carriers=ring_carriers(manoeuvre.time, corrected[:, :4]) if ringed else None,
         least=least_gains(valid, anew),
         pressure_least=least_gains(pressure_valid, anew),

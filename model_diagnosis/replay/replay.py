@@ -20,8 +20,12 @@ from model_diagnosis.effects.sensor_chain import measured_signals, sensor_column
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.derived import derive
 from model_diagnosis.replay.deviations import RECORD_COLUMNS, change_record
-from model_diagnosis.replay.hydraulic import GAIN as PRESSURE_GAIN
-from model_diagnosis.replay.hydraulic import HYDRAULIC_COLUMNS, HydraulicReplay, acts_on_pressures, reported_pressure
+from model_diagnosis.replay.hydraulic import (
+    HYDRAULIC_COLUMNS,
+    acts_by_valves,
+    acts_on_pressures,
+    reported_pressure,
+)
 from model_diagnosis.replay.inputs import SLOWEST_M_S, read_inputs, reference_speed, with_pressures
 from model_diagnosis.replay.nominal import NominalCar, nominal_car
 from model_diagnosis.replay.parameters import adjusted_parameter, nominal_value, values_of
@@ -31,6 +35,7 @@ from model_diagnosis.replay.record import OUTPUTS, SHOWN_STATES
 from model_diagnosis.replay.sensors import own_noise
 from model_diagnosis.replay.sweep import replay_cars
 from model_diagnosis.replay.tyre_shape import shaped_tables
+from model_diagnosis.replay.wheel_pressures import WheelPressures
 from signals.errors import unknown_name
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
@@ -51,13 +56,14 @@ _FREE = np.zeros(len(_GAINS) + 1)
 
 _CARS_KEPT, _PARTS_KEPT = 256, 6
 
-_STEPS_SHARE = 0.5
-"""Share of the misfit by flow that one by steps must not exceed: such a unit follows its own pressures to their noise.
+_STEP_SHARE = 0.001
+"""Step of a finite difference over the effect's width: a car's replay is smooth, and of the residuals that a wrong form
+leaves, even a slope that is a few percent off promises what no step holds."""
 
-Its steps jump with deviations, and fits end before a jump."""
+_COARSE_STEP_SHARE = 0.05
+"""The same for what acts by jumps: commands of the hydraulic unit take effect by whole ticks, roads change at once."""
 
-_STEP_SHARE = 0.05
-"""Step of a finite difference over the effect's width."""
+_ACT_BY_JUMPS = ("mu_step.place",)
 
 _REPLAYED = (Application.PLANT, Application.INPUT, Application.SENSOR)
 _OBSERVED_SENSORS = ("gyro_offset", "gyro_scale", "tone_ring_error")
@@ -84,7 +90,7 @@ class Replay:
     parameters : (p) of the columns, bounds and scatter as for this vehicle
     owner : (p,) index into ``effects``
     prepared : what stays the same of each manoeuvre
-    car, hydraulics : the vehicle without deviations
+    car, pressures : the vehicle without deviations, and its hydraulic unit
     gains : (5,) of the observer, and the dead band of the wheel speeds [rad/s]
 
     Raises
@@ -117,20 +123,15 @@ class Replay:
         self._place = {column: index for index, column in enumerate(self.columns)}
         self._threads = threads or os.cpu_count() or 1
         self.car: NominalCar = nominal_car(vehicle)
-        self.hydraulics = HydraulicReplay(vehicle)
+        self.pressures = WheelPressures(vehicle)
         self.gains = np.array([*_GAINS, _DEAD_BAND * own_noise(vehicle, "wheel_speed_fl")])
         # every manoeuvre and every column of a sweep asks for the same few cars
         self._cars = lru_cache(maxsize=_CARS_KEPT)(self._make_car)
         self._tables = lru_cache(maxsize=_CARS_KEPT)(self._make_tables)
         nominal = self._record_at({})[0]
-        self.prepared = [prepare(manoeuvre, vehicle, nominal) for manoeuvre in self.manoeuvres]
+        self.prepared = self.pressures.settled([prepare(one, vehicle, nominal) for one in self.manoeuvres])
         # fits change what acts on the pressures and what does not in turn
         self._known = [deque[Parts](maxlen=_PARTS_KEPT) for _ in self.prepared]
-        by_steps = self._pressure_misfit({})
-        self.hydraulics.flows = True
-        # which of the two the car has is a matter of form; a throttled return too rests above its supply
-        throttled = {"form_return.lag": HYDRAULIC_COLUMNS["form_return.lag"].nuisance_std}
-        self.hydraulics.flows = by_steps > _STEPS_SHARE * min(map(self._pressure_misfit, ({}, throttled)))
 
     @property
     def tyre_error(self) -> tuple[float, float]:
@@ -185,7 +186,7 @@ class Replay:
         prepared = self.prepared[m]
         chosen = np.array([OUTPUTS.index(name) for name in SHOWN_STATES])
         deviations = self.deviations_at(theta)
-        pressures = self.wheel_pressures(deviations, prepared)
+        pressures = self.pressures.at(deviations, prepared)
         values = self.car_outputs(deviations, prepared, pressures, self.gains, 0, chosen)
         return {name: values[:, k] for k, name in enumerate(SHOWN_STATES)}
 
@@ -253,38 +254,6 @@ class Replay:
         """Deviations that are not 0, by column."""
         return {self.columns[int(k)]: float(theta[k]) for k in np.flatnonzero(theta)}
 
-    def wheel_pressures(
-        self, deviations: Mapping[str, float], prepared: Prepared, *, free: bool = False
-    ) -> FloatArray | None:
-        """True wheel pressures (n, 4) by the hydraulic unit; None where the log tells nothing of it."""
-        log = prepared.hydraulics
-        if log is None or (prepared.pressure_known and not prepared.replays_pressures):
-            return None
-        measured = np.zeros((prepared.manoeuvre.samples, 4))
-        if prepared.pressure_known:
-            # what the observer corrects on keeps its noise: without it, it would know of samples still to come
-            manoeuvre = prepared.manoeuvre
-            reported = true_inputs(deviations, manoeuvre.time, manoeuvre.channels)
-            measured = np.stack([reported[name] for name in PRESSURES], axis=1)
-        gain = 0.0 if free else PRESSURE_GAIN
-        # a unit that moves by steps is up to its threshold off: there the observer is needed for small differences too
-        noise = own_noise(self.vehicle, PRESSURES[0]) if self.hydraulics.flows else 0.0
-        least = None if free else prepared.pressure_least
-        return self.hydraulics.wheels(deviations, log, measured, prepared.pressure_valid, gain, noise, least)
-
-    def _pressure_misfit(self, deviations: Mapping[str, float]) -> float:
-        """Sum of squares of what the hydraulic unit leaves of the wheels' pressures [Pa^2]."""
-        total = 0.0
-        for prepared in self.prepared:
-            if not prepared.replays_pressures:
-                continue
-            predicted = self.wheel_pressures(deviations, prepared)
-            assert predicted is not None
-            places = [prepared.signals.index(name) for name in PRESSURES]
-            left = prepared.weights[:, places] * (prepared.measured[:, places] - predicted)
-            total += float(np.sum(left**2))
-        return total
-
     def inputs_at(
         self, deviations: Mapping[str, float], prepared: Prepared, pressures: FloatArray | None
     ) -> FloatArray:
@@ -311,7 +280,7 @@ class Replay:
         cars = self._record_at(deviations)
         inputs, corrected = self.inputs_at(deviations, prepared, pressures), prepared.corrected_at(deviations)
         out = np.empty((1, prepared.manoeuvre.samples, len(chosen)))
-        fixed = (self.tables_at(deviations), inputs, corrected, prepared.valid, prepared.start)
+        fixed = (self.tables_at(deviations), inputs, prepared.between, corrected, prepared.valid, prepared.start)
         least = prepared.least if gains.any() else np.zeros_like(prepared.least)
         replay_cars(cars, 0, 1, *fixed, gains, least, horizon, SAMPLE_TIME_S, chosen, out)
         return out[0]
@@ -338,7 +307,7 @@ class Replay:
         by_pressure = not prepared.pressure_known and prepared.hydraulics is not None
         car_key = selected(deviations, lambda column: by_pressure or column not in HYDRAULIC_COLUMNS)
         same = next((one for one in known if one.pressure_key == pressure_key), None)
-        pressures = same.pressures if same else self.wheel_pressures(deviations, prepared, free=not gains.any())
+        pressures = same.pressures if same else self.pressures.at(deviations, prepared, free=not gains.any())
         same = next((one for one in known if one.car_key == car_key), None)
         car = same.car if same else self.car_outputs(deviations, prepared, pressures, gains, horizon, prepared.chosen)
         return Parts(car_key, car, pressure_key, pressures)
@@ -351,12 +320,13 @@ class Replay:
         if prepared.replays_pressures and parts.pressures is not None:
             columns.append(reported_pressure(deviations, parts.pressures))
         if prepared.replays_master and prepared.hydraulics is not None:
-            columns.append(self.hydraulics.master(deviations, prepared.hydraulics)[:, None])
+            columns.append(self.pressures.unit.master(deviations, prepared.hydraulics)[:, None])
         return np.concatenate(columns, axis=1)
 
     def _step_of(self, theta: FloatArray, column: int) -> float:
-        parameter = self.parameters[column]
-        step = _STEP_SHARE * parameter.effect_std
+        parameter, name = self.parameters[column], self.columns[column]
+        jumps = acts_on_pressures(name) or name in _ACT_BY_JUMPS
+        step = (_COARSE_STEP_SHARE if jumps else _STEP_SHARE) * parameter.effect_std
         return step if theta[column] + step <= parameter.high else -step
 
     def _sweep(
@@ -368,10 +338,13 @@ class Replay:
         reported, count = self._reported(deviations, prepared, base), len(prepared.chosen)
         analytic = sensor_columns(deviations, prepared.signals[:count], base.car, prepared.carriers)
         result = np.zeros((*reported.shape, len(columns)))
+        at_rest = prepared.hydraulics is not None and not prepared.hydraulics.switched
 
         def derive_column(place: int) -> None:
             column = columns[place]
             name = self.columns[column]
+            if at_rest and acts_by_valves(name):
+                return
             if name in analytic and not prepared.drives(name) and not name.startswith(_OBSERVED_SENSORS):
                 result[:, :count, place] = analytic[name]
                 return

@@ -17,10 +17,8 @@ from model_diagnosis.replay.record import (
     OUTPUTS,
     Record,
 )
+from model_diagnosis.replay.state import PAST_STEPS, SUBSTEPS
 from model_diagnosis.replay.wheel_step import move_wheel, steer_wheels
-
-SUBSTEPS = 5
-"""Steps of 2 ms within a sample of 10 ms."""
 
 PRE_ROLL_SAMPLES = 80
 """Time before the first sample in which its inputs and its measured speed and yaw rate hold: all else settles."""
@@ -53,10 +51,12 @@ def take_tables(s: Record, tables: NDArray[np.float64]) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def take_inputs(s: Record, before: NDArray[np.float64], after: NDArray[np.float64], share: float) -> None:
-    """Inputs of a step between two samples."""
+def take_inputs(
+    s: Record, before: NDArray[np.float64], after: NDArray[np.float64], share: float, beside: NDArray[np.float64]
+) -> None:
+    """Inputs of a step between two samples; pressures are ``beside`` (4,) the straight line."""
     for i in range(4):
-        s.pressure[i] = before[i] + share * (after[i] - before[i])
+        s.pressure[i] = max(before[i] + share * (after[i] - before[i]) + beside[i], 0.0)
     s.drive_front = before[INPUT_DRIVE_FRONT] + share * (after[INPUT_DRIVE_FRONT] - before[INPUT_DRIVE_FRONT])
     s.drive_rear = before[INPUT_DRIVE_REAR] + share * (after[INPUT_DRIVE_REAR] - before[INPUT_DRIVE_REAR])
     s.steer = before[INPUT_STEER] + share * (after[INPUT_STEER] - before[INPUT_STEER])
@@ -65,10 +65,28 @@ def take_inputs(s: Record, before: NDArray[np.float64], after: NDArray[np.float6
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def write_outputs(p: Record, s: Record, out: NDArray[np.float64]) -> None:
+def keep_spins(s: Record) -> None:
+    """Put the wheels' speeds at the end of a step before those of the last ones."""
+    for k in range(PAST_STEPS - 1, 0, -1):
+        for i in range(4):
+            s.past_spin[k, i] = s.past_spin[k - 1, i]
+    for i in range(4):
+        s.past_spin[0, i] = s.spin[i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def lagging_spin(s: Record, i: int, steps: float) -> float:
+    """Speed of a wheel so many steps ago; ahead of the last step and behind the first along their slopes."""
+    place = min(max(int(steps), 0), PAST_STEPS - 2)
+    after, before = s.past_spin[place, i], s.past_spin[place + 1, i]
+    return after + (steps - place) * (before - after)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def write_outputs(p: Record, s: Record, step: float, out: NDArray[np.float64]) -> None:
     """All outputs (``OUTPUTS``) at this instant; sensors of speeds and turning rates lag by a constant time."""
     for i in range(4):
-        out[i] = s.spin[i] - p.wheel_speed_lag * s.spin_rate[i]
+        out[i] = lagging_spin(s, i, p.wheel_speed_lag / step)
         out[4 + i] = s.load[i]
         out[8 + i], out[12 + i] = s.tyre_x[i], s.tyre_y[i]
         out[16 + i] = s.travel[i]
@@ -101,7 +119,10 @@ def correct_states(
         error = valid[i] * (measured[i] - full[i])
         band = gains[DEAD_BAND_WHEEL] if least[i] <= gains[GAIN_WHEEL] else 0.0
         beyond = error - min(max(error, -band), band)
-        s.spin[i] = max(s.spin[i] + max(gains[GAIN_WHEEL], least[i]) * beyond, 0.0)
+        moved = max(max(gains[GAIN_WHEEL], least[i]) * beyond, -s.spin[i])
+        s.spin[i] += moved
+        for k in range(PAST_STEPS):
+            s.past_spin[k, i] += moved
         along += p.radius[i] * error
         count += valid[i]
         anew = max(anew, least[i])
@@ -124,6 +145,8 @@ def settle(p: Record, s: Record, start: NDArray[np.float64], step: float) -> Non
         move_car(p, s, step)
     s.speed, s.yaw_rate = start[0], start[1]
     s.distance = s.stop_energy = 0.0
+    for _ in range(PAST_STEPS):
+        keep_spins(s)
     for i in range(4):
         s.disc_temperature[i] = p.start_temperature[i]
         s.tyre_heat[i] = s.disc_angle[i] = 0.0
@@ -137,6 +160,7 @@ def replay_run(
     memory: NDArray[np.void],
     tables: NDArray[np.float64],
     inputs: NDArray[np.float64],
+    between: NDArray[np.float64],
     measured: NDArray[np.float64],
     valid: NDArray[np.float64],
     start: NDArray[np.float64],
@@ -157,6 +181,7 @@ def replay_run(
     memory : shape (1,), zeros of ``STATE_RECORD``
     tables : (2, 2, CELLS + 1, 2) of the tyres: axle, direction
     inputs : (n, INPUTS)
+    between : (n, SUBSTEPS, 4) pressures beside the straight line in the middle of the steps before each sample [Pa]
     measured, valid : (n, 6) signals of ``CORRECTED`` and 1 where they hold
     start : (2,) speed and yaw rate at the first sample
     gains : (5,) of the observer, the last the dead band of the wheel speeds [rad/s]; zeros for a free run
@@ -173,16 +198,17 @@ def replay_run(
     step = sample_time / SUBSTEPS
     full, restart, nothing = np.zeros(_OUTPUTS), np.ones(5), np.zeros(6)
     restart[DEAD_BAND_WHEEL] = 0.0
-    take_inputs(s, inputs[0], inputs[0], 0.0)
+    take_inputs(s, inputs[0], inputs[0], 0.0, between[0, 0])
     settle(p, s, start, step)
     for k in range(inputs.shape[0]):
         if k > 0:
             for j in range(SUBSTEPS):
-                take_inputs(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS)
+                take_inputs(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS, between[k, j])
                 move_car(p, s, step)
                 if place != NOWHERE:
                     disturb(p, s, place, disturbance[k], step)
-        write_outputs(p, s, full)
+                keep_spins(s)
+        write_outputs(p, s, step, full)
         for c in range(chosen.shape[0]):
             out[k, c] = full[chosen[c]]
         if horizon > 0:

@@ -9,6 +9,7 @@ keep every sample.
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
+from scipy.stats import chi2
 
 FloatArray = NDArray[np.float64]
 
@@ -27,16 +28,32 @@ _LARGEST_MEDIAN = 1.0
 _LARGEST_PEAK = 4.5
 """Standard deviations that white noise stays below in a drive."""
 
-_MEDIAN_OF_NORMAL = 0.6745
+_QUIET_SAMPLES = 15
+_QUIET_SHARE = 0.1
+"""Share of the windows of so many samples in which nothing but noise is taken to move a signal; an ABS moves pressures
+in nearly all others."""
+
+_CORRELATED = 1.0 + 2.0 * (4.0 / 6.0) ** 2 + 2.0 * (1.0 / 6.0) ** 2
+"""Second differences of white noise that tell as much of its variance as one of independent numbers."""
 
 
 def noise_of(values: FloatArray) -> float:
-    """Standard deviation of the white noise in (n,) samples, from their second differences; 0 below five samples."""
+    """Standard deviation of the white noise in (n,) samples; 0 below five samples.
+
+    From the second differences in short windows: a low quantile of their variances, over what that quantile is of
+    chi-square for noise alone. Their median would be that of the motion in a stop whose pressures never rest.
+    """
     if len(values) < 5:
         return 0.0
-    second = np.diff(values, 2)
-    moving = np.abs(second[second != 0.0])
-    return float(np.median(moving) / (_MEDIAN_OF_NORMAL * np.sqrt(6.0))) if len(moving) else 0.0
+    squares = np.diff(values, 2) ** 2
+    count = min(_QUIET_SAMPLES, len(squares))
+    means = np.lib.stride_tricks.sliding_window_view(squares, count).mean(axis=1)
+    moving = means[means > 0.0]
+    if not len(moving):
+        return 0.0
+    freedoms = count / _CORRELATED
+    of_noise = float(chi2.ppf(_QUIET_SHARE, freedoms)) / freedoms
+    return float(np.sqrt(np.quantile(moving, _QUIET_SHARE) / (6.0 * of_noise)))
 
 
 def without_noise(values: FloatArray) -> FloatArray:

@@ -7,6 +7,12 @@ import numpy as np
 
 from model_diagnosis.replay.record import CELLS
 
+SUBSTEPS = 5
+"""Steps of 2 ms within a sample of 10 ms."""
+
+PAST_STEPS = SUBSTEPS + 1
+"""Wheel speeds kept for a sensor's lag: those at the ends of a sample's steps and at its begin."""
+
 _BODY = (
     "speed",
     "speed_rate",
@@ -68,6 +74,7 @@ STATE_RECORD = np.dtype(
     [
         *[(name, "f8") for name in _BODY],
         *[(name, "f8", (4,)) for name in _WHEELS],
+        ("past_spin", "f8", (PAST_STEPS, 4)),  # at the ends of the last steps, the last one first
         ("table", "f8", (2, 2, CELLS + 1, 2)),  # axle, direction
     ],
     align=True,

@@ -16,6 +16,7 @@ def replay_cars(
     last: int,
     tables: NDArray[np.float64],
     inputs: NDArray[np.float64],
+    between: NDArray[np.float64],
     measured: NDArray[np.float64],
     valid: NDArray[np.float64],
     start: NDArray[np.float64],
@@ -30,5 +31,5 @@ def replay_cars(
     quiet = np.zeros(0)
     for car in range(first, last):
         memory = np.zeros(1, STATE_RECORD)
-        fixed = tables, inputs, measured, valid, start, gains, least, horizon, sample_time, chosen
+        fixed = tables, inputs, between, measured, valid, start, gains, least, horizon, sample_time, chosen
         replay_run(cars, car, memory, *fixed, NOWHERE, quiet, out[car])

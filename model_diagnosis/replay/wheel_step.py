@@ -87,14 +87,12 @@ def move_wheel(
     now_x, now_y = slide_x * inverse, -v_y * inverse
     slip_slope = radius * inverse * (v_x * inverse if roll >= divisor and v_x > 0.0 else 1.0)
     way = step * divisor
-    # the mean of before and after the step follows the slip, where the step is short enough for that
+    # means over the step, which the spin's change goes into by half
     on_slip = 1.0 - p.lag_on_force
-    weight_x = min(way / (on_slip * p.relaxation_x[i] + 0.5 * way), 1.0)
-    weight_y = min(way / (on_slip * p.relaxation_y[i] + 0.5 * way), 1.0)
-    slip_x = s.lagged_x[i] + weight_x * (now_x - s.lagged_x[i])
-    slip_y = s.lagged_y[i] + weight_y * (now_y - s.lagged_y[i])
-    slip_slope *= weight_x
-    s.lagged_x[i], s.lagged_y[i] = slip_x, slip_y
+    share_of_x = way / (2.0 * on_slip * p.relaxation_x[i] + way)
+    share_of_y = way / (2.0 * on_slip * p.relaxation_y[i] + way)
+    slip_x = s.lagged_x[i] + share_of_x * (now_x - s.lagged_x[i])
+    slip_y = s.lagged_y[i] + share_of_y * (now_y - s.lagged_y[i])
     s.slip_x[i], s.slip_y[i] = now_x, now_y
 
     friction = road_friction(p, i, load, s.distance, abs(v_x), s.tyre_heat[i])
@@ -114,20 +112,36 @@ def move_wheel(
         p.peak_y[i] * friction * share_y * load,
     )
     force_y += p.camber_stiffness * p.camber_angle * load + p.conicity
-    slope = max(slope * inverse_x * slip_slope, 0.0)
+    slope = max(slope * inverse_x * slip_slope, 0.0) * share_of_x
+    force_share_x = force_share_y = 1.0
     if p.lag_on_force != 0.0:
-        weight_x = way / (p.lag_on_force * p.relaxation_x[i] + way)
-        weight_y = way / (p.lag_on_force * p.relaxation_y[i] + way)
-        force_x = s.lagged_force_x[i] + weight_x * (force_x - s.lagged_force_x[i])
-        force_y = s.lagged_force_y[i] + weight_y * (force_y - s.lagged_force_y[i])
-        s.lagged_force_x[i], s.lagged_force_y[i] = force_x, force_y
-        slope *= weight_x
-    force_x = _spin(p, s, i, step, load, radius, force_x, slope)
-    s.tyre_x[i], s.tyre_y[i] = force_x, force_y
-    s.aligning[i] = -p.trail[i] * max(1.0 - relative, 0.0) * (1.0 + p.trail_bulge * relative) * force_y
+        force_share_x = way / (2.0 * p.lag_on_force * p.relaxation_x[i] + way)
+        force_share_y = way / (2.0 * p.lag_on_force * p.relaxation_y[i] + way)
+    mean_x = s.lagged_force_x[i] + force_share_x * (force_x - s.lagged_force_x[i])
+    mean_y = s.lagged_force_y[i] + force_share_y * (force_y - s.lagged_force_y[i])
+    slope *= force_share_x
+    change, mean_x = _spin(p, s, i, step, load, radius, mean_x, slope)
+    s.lagged_x[i] = _followed(s.lagged_x[i], now_x, slip_slope * change, share_of_x)
+    s.lagged_y[i] = _followed(s.lagged_y[i], now_y, 0.0, share_of_y)
+    s.lagged_force_x[i] = _behind(s.lagged_force_x[i], mean_x, force_share_x)
+    s.lagged_force_y[i] = _behind(s.lagged_force_y[i], mean_y, force_share_y)
+    s.tyre_x[i], s.tyre_y[i] = mean_x, mean_y
+    s.aligning[i] = -p.trail[i] * max(1.0 - relative, 0.0) * (1.0 + p.trail_bulge * relative) * mean_y
     if p.heat_fade != 0.0:
-        heat = abs(force_x * slide_x) + abs(force_y * v_y)
+        heat = abs(mean_x * slide_x) + abs(mean_y * v_y)
         s.tyre_heat[i] += step * (0.5 * heat / _TREAD_HEAT_J_K - s.tyre_heat[i] * _TREAD_COOLING_1_S)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _followed(lagged: float, target: float, change: float, share: float) -> float:
+    """Lagged value after a step in which its target changes; ``share`` of the way is made in the step's mean."""
+    return lagged + min(2.0 * share, 1.0) * (target + max(share, 0.5) * change - lagged)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _behind(lagged: float, mean: float, share: float) -> float:
+    """Lagged value after a step of which the mean is known."""
+    return lagged + min(2.0, 1.0 / share) * (mean - lagged)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -140,8 +154,8 @@ def _spin(
     radius: float,
     force_x: float,
     slope: float,
-) -> float:
-    """One step of a wheel's spin; the mean tyre force over it."""
+) -> tuple[float, float]:
+    """One step of a wheel's spin: its change, and the mean tyre force over it."""
     omega, speed = s.spin[i], s.speed
     brake = brake_capacity(p, s, i, s.pressure[i], step)
     share = 1.0 + p.rolling_speed * speed
@@ -149,13 +163,16 @@ def _spin(
     inertia = p.spin_inertia[i]
     s.drive_torque[i] = drive_torque(p, s, i)
     torque = s.drive_torque[i] - force_x * radius
-    momentum = inertia * omega + step * torque + step * radius * slope * omega
+    # half of the step's change is in the mean; more where half would overshoot
+    stiff = step * radius * slope
+    half = slope * max(0.5, 1.0 - inertia / stiff) if stiff > 0.0 else 0.0
+    momentum = inertia * omega + step * torque + step * radius * half * omega
     if abs(momentum) <= step * capacity:
         new, friction = 0.0, abs(momentum) / step
     else:
         friction = capacity
-        new = (momentum - math.copysign(step * capacity, momentum)) / (inertia + step * radius * slope)
+        new = (momentum - math.copysign(step * capacity, momentum)) / (inertia + step * radius * half)
     s.spin[i], s.spin_rate[i] = new, (new - omega) / step
     s.brake_torque[i] = min(friction, brake)
     s.rolling_torque[i] = friction - s.brake_torque[i]
-    return force_x + slope * (new - omega)
+    return new - omega, force_x + half * (new - omega)

@@ -1,6 +1,7 @@
 """What differs in form is taken by the form's columns: lags of the sensors, a second logger's clock, the transient."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -53,12 +54,23 @@ def test_rest_of_another_loggers_clock_is_told(car: VehicleFile, replay: Replay)
     assert fit.theta[model.columns.index("form_lag.speed")] == pytest.approx(late, abs=0.002)
 
 
+def _share(replay: Replay) -> float:
+    crude = nearer_form(replay, Priors.of(replay.parameters))[0]
+    place = replay.columns.index(SHARE)
+    assert crude.priors.low[place] == crude.priors.high[place]
+    return float(crude.priors.centre[place])
+
+
 def test_transient_of_the_bench_own_plant_is_that_of_the_replay(replay: Replay) -> None:
-    priors = nearer_form(replay, Priors.of(replay.parameters))
-    assert priors.centre[replay.columns.index(SHARE)] == 0.0
+    assert _share(replay) == 0.0
 
 
-def test_transient_on_the_force_is_told_from_one_on_the_slip(hidden: Replay) -> None:
-    """The generator lets the force follow."""
-    priors = nearer_form(hidden, Priors.of(hidden.parameters))
-    assert priors.centre[hidden.columns.index(SHARE)] == 1.0
+@pytest.mark.parametrize("late_s", [0.0, 0.003])
+def test_transient_on_the_force_is_told_from_one_on_the_slip(hidden: Replay, late_s: float) -> None:
+    """The generator lets the force follow, and late wheel speeds change nothing in that."""
+    manoeuvres = []
+    for one in hidden.manoeuvres:
+        wheels = {name: one.channels[name] for name in one.channels if name.startswith("wheel_speed_")}
+        late = {name: np.interp(one.time - late_s, one.time, speed) for name, speed in wheels.items()}
+        manoeuvres.append(replace(one, channels={**one.channels, **late}))
+    assert _share(Replay(hidden.vehicle, manoeuvres)) == 1.0

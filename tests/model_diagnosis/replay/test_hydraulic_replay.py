@@ -8,6 +8,7 @@ from plant_log import hydraulic_log
 
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay import Replay
+from model_diagnosis.replay.hydraulic import acts_by_valves
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile, set_parameter
 
@@ -124,6 +125,40 @@ def test_without_cornering_there_is_no_knock_back(car: VehicleFile, log: Manoeuv
     nominal = model.predict(theta, 0)
     theta[model.columns.index("brake_knock_back.volume")] = 5e-7
     assert np.array_equal(model.predict(theta, 0), nominal)
+
+
+def test_what_acts_by_valves_is_left_out_where_none_is_moved_and_changes_no_bit_there(
+    car: VehicleFile, log: Manoeuvre
+) -> None:
+    at_rest = {name: 0.0 * values for name, values in log.channels.items() if name.startswith("valve_")}
+    model = Replay(car, [log, replace(log, channels=dict(log.channels) | at_rest)])
+    theta = np.zeros(len(model.columns))
+    chosen = [index for index, name in enumerate(model.columns) if acts_by_valves(name)]
+    assert len(chosen) == 16  # four wheels' outlets, two kinds of delay of all and of each, pump, accumulators
+    moved, rested = model.sensitivities(theta, chosen)
+    nominal = model.predict(theta, 1)
+    for place, column in enumerate(chosen):
+        theta[column] = model.parameters[column].effect_std
+        assert np.array_equal(model.predict(theta, 1), nominal), model.columns[column]
+        theta[column] = 0.0
+        assert not rested[:, :, place].any()
+    assert moved[:, :, chosen.index(model.columns.index("outlet_valve_conductance.fl"))].any()
+
+
+def test_a_lost_command_of_a_valve_is_not_carried_on(car: VehicleFile, log: Manoeuvre) -> None:
+    """The log holds the valves' commands for a frame more: the unit errs in that sample and not in those behind it."""
+    row = 163  # the outlets open at 1.626 s
+    channels = dict(log.channels)
+    for name in (name for name in log.channels if name.startswith("valve_")):
+        channels[name] = log.channels[name].copy()
+        channels[name][row] = channels[name][row - 1]
+    assert channels["valve_outlet_fl"][row] != log.channels["valve_outlet_fl"][row]
+    whole, lost = (Replay(car, [one]) for one in (log, replace(log, channels=channels)))
+    theta = np.zeros(len(lost.columns))
+    wheels = [lost.signals(0).index(f"brake_pressure_{wheel}") for wheel in ("fl", "fr", "rl", "rr")]
+    added = np.abs(lost.residuals(theta)[0] - whole.residuals(theta)[0])[:, wheels] / 1e5
+    assert np.all(added[row : row + 2].max(axis=0) > 6.0)
+    assert added[row + 2 :].max() < 0.3
 
 
 def test_without_wheel_pressures_the_unit_drives_the_brakes(car: VehicleFile, log: Manoeuvre) -> None:

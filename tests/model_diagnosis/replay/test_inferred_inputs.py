@@ -39,10 +39,18 @@ NEEDED = 5.0
 
 
 @pytest.fixture(scope="module")
-def log(car: VehicleFile) -> Manoeuvre:
+def driven(car: VehicleFile) -> Manoeuvre:
+    return drive(car, coast_and_drive, 8.0, 25.0, name="coast")
+
+
+@pytest.fixture(scope="module")
+def log(car: VehicleFile, driven: Manoeuvre) -> Manoeuvre:
+    return with_noise(car, driven, 5)
+
+
+def with_noise(car: VehicleFile, driven: Manoeuvre, seed: int) -> Manoeuvre:
     """With the noise that the vehicle file's sensors have."""
-    driven = drive(car, coast_and_drive, 8.0, 25.0, name="coast")
-    random, sensors = np.random.default_rng(5), Replay(car, [driven], [])
+    random, sensors = np.random.default_rng(seed), Replay(car, [driven], [])
     kept = {"steering_wheel_angle": driven.channels["steering_wheel_angle"]}
     for name in MEASURED:
         noise = sensors.sensor_std(name) * random.standard_normal(len(driven.time))
@@ -67,11 +75,15 @@ def test_an_accelerometer_without_an_error_gives_no_cause(car: VehicleFile, log:
     assert found(car, log)[1].accepted == []
 
 
-def test_an_offset_of_the_accelerometer_is_named_with_its_size(car: VehicleFile, log: Manoeuvre) -> None:
-    replay, selection = found(car, with_offset(log, 0.25))
-    (cause,) = selection.accepted
-    assert [replay.columns[column] for column in cause.hypothesis.columns] == ["accelerometer_offset.longitudinal"]
-    assert selection.fit.theta[cause.hypothesis.columns[0]] == pytest.approx(0.25, abs=0.05)
+def test_an_offset_of_the_accelerometer_is_named_with_its_size(car: VehicleFile, driven: Manoeuvre) -> None:
+    """In each of four draws of the noise, one of which moves the size by 0.016 m/s^2; the limit is on their mean."""
+    sizes = []
+    for seed in range(5, 9):
+        replay, selection = found(car, with_offset(with_noise(car, driven, seed), 0.25))
+        (cause,) = selection.accepted
+        assert [replay.columns[column] for column in cause.hypothesis.columns] == ["accelerometer_offset.longitudinal"]
+        sizes.append(selection.fit.theta[cause.hypothesis.columns[0]])
+    assert np.mean(sizes) == pytest.approx(0.25, abs=0.05)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,100 @@
+"""Pressures of the wheel brakes by the vehicle's hydraulic unit, and what the unit tells of a manoeuvre beforehand."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model_diagnosis.effects.sensor_chain import true_inputs
+from model_diagnosis.replay.gaps import begun_anew
+from model_diagnosis.replay.hydraulic import GAIN, HYDRAULIC_COLUMNS, HydraulicReplay
+from model_diagnosis.replay.prepared import PRESSURES, Prepared
+from model_diagnosis.replay.sensors import own_noise
+from vehicle_model.vehicle_file import VehicleFile
+
+FloatArray = NDArray[np.float64]
+
+_STEPS_SHARE = 0.5
+"""Share of the misfit by flow that one by steps must not exceed: such a unit follows its own pressures to their noise.
+
+Its steps jump with deviations, and fits end before a jump."""
+
+
+class WheelPressures:
+    """Wheel pressures of one vehicle in its manoeuvres.
+
+    Attributes
+    ----------
+    unit : the vehicle's hydraulic unit, without deviations
+    """
+
+    def __init__(self, vehicle: VehicleFile) -> None:
+        self.unit = HydraulicReplay(vehicle)
+        self._noise = own_noise(vehicle, PRESSURES[0])
+
+    def at(self, deviations: Mapping[str, float], prepared: Prepared, *, free: bool = False) -> FloatArray | None:
+        """True pressures (n, 4) [Pa] by the unit; None where the log tells nothing of it."""
+        log = prepared.hydraulics
+        if log is None or (prepared.pressure_known and not prepared.replays_pressures):
+            return None
+        measured = np.zeros((prepared.manoeuvre.samples, 4))
+        if prepared.pressure_known:
+            # what the observer corrects on keeps its noise: without it, it would know of samples still to come
+            manoeuvre = prepared.manoeuvre
+            reported = true_inputs(deviations, manoeuvre.time, manoeuvre.channels)
+            measured = np.stack([reported[name] for name in PRESSURES], axis=1)
+        gain = 0.0 if free else GAIN
+        # a unit that moves by steps is up to its threshold off: there the observer is needed for small differences too
+        noise = self._noise if self.unit.flows else 0.0
+        least = None if free else prepared.pressure_least
+        return self.unit.wheels(deviations, log, measured, prepared.pressure_valid, gain, noise, least)
+
+    def settled(self, manoeuvres: Sequence[Prepared]) -> list[Prepared]:
+        """The manoeuvres with what the vehicle's own unit tells of them, in the form that all of them show together."""
+        by_steps = self._misfit({}, manoeuvres)
+        self.unit.flows = True
+        # which of the two the car has is a matter of form; a throttled return too rests above its supply
+        throttled = {"form_return.lag": HYDRAULIC_COLUMNS["form_return.lag"].nuisance_std}
+        by_flow = min(self._misfit(deviations, manoeuvres) for deviations in ({}, throttled))
+        self.unit.flows = by_steps > _STEPS_SHARE * by_flow
+        begun = [replace(one, pressure_least=self._least(one)) for one in manoeuvres]
+        return [replace(one, between=self._between(one)) for one in begun]
+
+    def _misfit(self, deviations: Mapping[str, float], manoeuvres: Sequence[Prepared]) -> float:
+        """Sum of squares of what the unit leaves of the measured pressures [Pa^2]."""
+        total = 0.0
+        for prepared in manoeuvres:
+            if prepared.replays_pressures:
+                left = prepared.weights[:, _places(prepared)] * self._error(deviations, prepared)
+                total += float(np.sum(left**2))
+        return total
+
+    def _error(self, deviations: Mapping[str, float], prepared: Prepared) -> FloatArray:
+        """Measured pressures (n, 4) less the unit's [Pa]."""
+        predicted = self.at(deviations, prepared)
+        assert predicted is not None
+        error: FloatArray = prepared.measured[:, _places(prepared)] - predicted
+        return error
+
+    def _least(self, prepared: Prepared) -> FloatArray:
+        """Least gains (n, 4) of the observer, with those where a command of the valves was lost."""
+        if not prepared.replays_pressures:
+            return prepared.pressure_least
+
+        def off(least: FloatArray) -> FloatArray:
+            return prepared.pressure_valid * np.abs(self._error({}, replace(prepared, pressure_least=least)))
+
+        return begun_anew(off, prepared.pressure_least, self._noise)
+
+    def _between(self, prepared: Prepared) -> FloatArray:
+        """Pressures (n, SUBSTEPS, 4) beside the straight lines between samples [Pa]."""
+        log, measured = prepared.hydraulics, np.ascontiguousarray(prepared.inputs.values[:, :4])
+        if log is None or not log.switched:
+            return prepared.between
+        return self.unit.between_samples(log, measured, prepared.pressure_valid, prepared.pressure_least)
+
+
+def _places(prepared: Prepared) -> list[int]:
+    """Columns of the wheel pressures among the compared signals."""
+    return [prepared.signals.index(name) for name in PRESSURES]
