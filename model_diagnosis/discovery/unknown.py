@@ -16,6 +16,7 @@ from model_diagnosis.discovery.build import found_term, term_of_answer
 from model_diagnosis.discovery.disguise import disguised_as, effect_columns, term_columns
 from model_diagnosis.discovery.search import LEAST_SHARE, DiscoveredTerm, discover
 from model_diagnosis.discovery.term_gain import signal_of, term_residuals
+from model_diagnosis.evidence.priors import is_scattering
 from model_diagnosis.extension.extended_vehicle import FoundTerm
 from model_diagnosis.gain import is_proven, measure_gain
 from model_diagnosis.replay.replay import Replay
@@ -137,7 +138,8 @@ def with_unknown(
 ) -> tuple[Diagnosis, list[FoundTerm]]:
     """An answer with the terms that the data show beyond its causes; the same answer where there are none.
 
-    Terms without a gain on data that took no part are told in a remark and not kept. Beside named causes a term has to
+    Terms without a gain on data that took no part are told in a remark and not kept, nor are those that look like a
+    number of the vehicle file which the search has weighed and not named. Beside named causes a term has to
     take a quarter of what they leave: less is their form, which never fits quite.
 
     Parameters
@@ -146,10 +148,13 @@ def with_unknown(
     """
     least = SHARE_BESIDE_CAUSES if answer.causes else LEAST_SHARE
     found = discover_unknown(replay, theta, _equations(answer.guilty_equations), seed=seed, least_share=least)
-    if not found:
-        return answer, []
-    gain = unknown_gain(replay, theta, found, held_out, seed)
     remarks = [*answer.remarks, *[_remark(one) for one in found if one.same_as]]
+    known = [one for one in found if _is_weighed_already(one, answer, replay)]
+    found = [one for one in found if one not in known]
+    remarks += [f"{one.term.formula} is not kept: a number of the car that was weighed and not named" for one in known]
+    if not found:
+        return answer.model_copy(update={"remarks": remarks}), []
+    gain = unknown_gain(replay, theta, found, held_out, seed)
     if gain is None or not is_proven(gain):
         formulas = "; ".join(one.term.formula for one in found)
         remarks.append(f"an unknown term ({formulas}) shows no gain on data that took no part and is not kept")
@@ -167,6 +172,20 @@ def with_unknown(
         verdict = "effect_found" if answer.verdict == "nothing_found" else answer.verdict
         changes |= {"verdict": verdict, "gain": gain}
     return answer.model_copy(update=changes | {"remarks": remarks}), terms
+
+
+def _is_weighed_already(one: Unknown, answer: Diagnosis, replay: Replay) -> bool:
+    """True for a term that looks like a number of the vehicle file which scatters, where no such effect is named.
+
+    The search has weighed that number against its scatter with all signals; one balance alone does not know better.
+    """
+    named = {cause.effect for cause in answer.causes}
+    ordinary = {
+        replay.effects[int(replay.owner[column])].name
+        for column, parameter in enumerate(replay.parameters)
+        if is_scattering(parameter)
+    }
+    return bool(ordinary & set(one.same_as)) and not named & set(one.same_as)
 
 
 def _equations(guilty: Mapping[str, float]) -> list[str]:

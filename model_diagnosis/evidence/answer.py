@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.evidence.checks import Consistency, consistency
 from model_diagnosis.evidence.lookalikes import LookAlikes
-from model_diagnosis.evidence.quadratic import total
 from model_diagnosis.evidence.replay_model import ReplayModel
-from model_diagnosis.evidence.search import Search, ratios
+from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Accepted, Selection
 from model_diagnosis.result import Cause, ParameterEstimate
 
@@ -48,9 +47,9 @@ def causes(search: Search, selection: Selection, alike: Sequence[LookAlikes], ph
     """Accepted effects as causes, the most probable first."""
     problem = search.problem
     parts = problem.quadratics(selection.linearisation, problem.rows(selection.fit.theta), selection.fit.theta)
-    chosen = [one.hypothesis for one in selection.accepted]
-    _, covariance = total(parts).posterior(ratios(problem, chosen))
-    std = problem.scale * np.sqrt(np.diag(covariance))
+    std = problem.scale.copy()
+    for one in selection.accepted:
+        std[list(one.hypothesis.columns)] *= np.sqrt(np.diag(one.direction.covariance))
     scaled = problem.scaled(selection.fit.theta)
     names = [manoeuvre.name for manoeuvre in problem.replay.manoeuvres]
     found = []

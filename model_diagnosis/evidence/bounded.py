@@ -11,6 +11,11 @@ ROUNDS = 20
 """Rounds of pivoting; they nearly always suffice, and cannot be shown to."""
 
 
+def ways_left(point: FloatArray, low: FloatArray, high: FloatArray, scale: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Ways (p,) from a point down and up to its bounds, in units of ``scale``; 0 where it lies beyond one."""
+    return np.minimum((low - point) / scale, 0.0), np.maximum((high - point) / scale, 0.0)
+
+
 def lowest_within(curvature: FloatArray, gradient: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
     """Point s (p,) between ``low`` and ``high`` (p,) where s'Hs / 2 - g's is least.
 

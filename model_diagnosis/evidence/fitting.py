@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.evidence.bounded import lowest_within
+from model_diagnosis.evidence.descent import Descent, unsettled
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.replay_model import ReplayModel
@@ -21,9 +21,6 @@ from model_diagnosis.replay.hydraulic import acts_on_pressures
 FloatArray = NDArray[np.float64]
 
 MAXIMUM_STEPS = 12
-SHORTENINGS = 3
-SHORTEST, LONGEST = 0.1, 0.6
-"""Least and largest share of a step that did not lower the cost, tried next."""
 
 COST_TOLERANCE = 0.1
 """A step that lowers the cost (twice the negative log posterior) by less, or promises less, ends a fit."""
@@ -158,94 +155,36 @@ class Problem:
         fixed: Sequence[int] = (),
         steps: int = MAXIMUM_STEPS,
     ) -> Fit:
-        """Minimise the cost from ``start`` with chord steps, shortened where needed, and bounds kept by clipping."""
-        theta = np.clip(start, self.priors.low, self.priors.high)
+        """Minimise the cost from ``start`` with chord steps within the bounds."""
         precision = (widths / self.scale) ** -2.0
-        curvature = linearisation.information + np.diag(precision)
-        rows = self.rows(theta)
-        cost = self.cost(rows, theta, widths)
-        for _ in range(steps):
-            gradient = -precision * self.scaled(theta)
+
+        def gradient(rows: Sequence[FloatArray], theta: FloatArray) -> FloatArray:
+            downhill = -precision * self.scaled(theta)
             for matrix, row in zip(linearisation.matrices, rows, strict=True):
-                gradient += matrix.T @ (huber_weights(row) * row) / self.whitener.temperature
-            step = self._step(curvature, gradient, theta, fixed)
-            promised = float(gradient @ step)
-            if promised < COST_TOLERANCE:
-                break
-            apart = len(self._parts) > 1
-            found = self._moved(theta, step * self.scale, cost, widths, promised, 0 if apart else SHORTENINGS)
-            if found is None and apart:
-                found = self._by_parts(curvature, gradient, theta, cost, widths, fixed)
-            if found is None:
-                break
-            gained = cost - found[2]
-            theta, rows, cost = found
-            if gained < COST_TOLERANCE:
-                break
+                downhill += matrix.T @ (huber_weights(row) * row) / self.whitener.temperature
+            return downhill
+
+        descent = Descent(
+            self.rows,
+            lambda rows, theta: self.cost(rows, theta, widths),
+            gradient,
+            linearisation.information + np.diag(precision),
+            self.scale,
+            self.priors.low,
+            self.priors.high,
+            self._parts,
+            fixed,
+            COST_TOLERANCE,
+        )
+        theta, rows, cost = descent.run(start, steps)
         return Fit(theta, cost, self.misfit(rows), widths, tuple(fixed))
+
+    def without_settled(self, gradient: FloatArray, step: FloatArray) -> FloatArray:
+        """A step (p,) of z without the columns, of car or hydraulics, that gain next to nothing by it."""
+        return np.where(unsettled(gradient, step, self._parts, COST_TOLERANCE), step, 0.0)
 
     def _informations(self, matrices: Sequence[FloatArray], weights: Sequence[FloatArray]) -> tuple[FloatArray, ...]:
         return tuple(
             (matrix * weight[:, None]).T @ matrix / self.whitener.temperature
             for matrix, weight in zip(matrices, weights, strict=True)
         )
-
-    def _step(self, curvature: FloatArray, gradient: FloatArray, theta: FloatArray, fixed: Sequence[int]) -> FloatArray:
-        """Newton step (p,) of z to the lowest point of the parabola within the bounds.
-
-        Columns that the step would carry over a bound go to it, and the others follow that; cut off afterwards, what
-        moves together would be torn apart and the step lead uphill.
-        """
-        low, high = (self.priors.low - theta) / self.scale, (self.priors.high - theta) / self.scale
-        low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
-        low[list(fixed)] = high[list(fixed)] = 0.0
-        return lowest_within(curvature, gradient, low, high)
-
-    def _by_parts(
-        self,
-        curvature: FloatArray,
-        gradient: FloatArray,
-        theta: FloatArray,
-        cost: float,
-        widths: FloatArray,
-        fixed: Sequence[int],
-    ) -> tuple[FloatArray, list[FloatArray], float] | None:
-        """One step for the columns of the hydraulics and one for all others: the former's pressures have kinks, and
-        what the car does beyond measured pressures need not stop at them. None where neither lowers the cost."""
-        found = None
-        for part in self._parts:
-            held = sorted({*fixed, *np.flatnonzero(~part).tolist()})
-            step = self._step(curvature, gradient, theta, held)
-            promised = float(gradient @ step)
-            if promised < COST_TOLERANCE:
-                continue
-            lower = self._moved(theta, step * self.scale, cost, widths, promised)
-            if lower is not None:
-                theta, _, cost = found = lower
-        return found
-
-    def _moved(
-        self,
-        theta: FloatArray,
-        step: FloatArray,
-        cost: float,
-        widths: FloatArray,
-        promised: float,
-        shortenings: int = SHORTENINGS,
-    ) -> tuple[FloatArray, list[FloatArray], float] | None:
-        """First of ever shorter steps that lowers the cost; None where none does.
-
-        ``promised`` is what the whole step would gain on a parabola; the next length is the lowest point of the one
-        through the cost, its slope and what the last length gave.
-        """
-        share = 1.0
-        for _ in range(shortenings + 1):
-            trial = np.clip(theta + step * share, self.priors.low, self.priors.high)
-            rows = self.rows(trial)
-            trial_cost = self.cost(rows, trial, widths)
-            if np.isfinite(trial_cost) and trial_cost < cost:
-                return trial, rows, trial_cost
-            rise = trial_cost - cost + 2.0 * share * promised
-            lowest = share * promised / rise if np.isfinite(rise) and rise > 0.0 else SHORTEST
-            share *= min(max(lowest, SHORTEST), LONGEST)
-        return None

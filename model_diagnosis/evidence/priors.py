@@ -14,6 +14,11 @@ NUISANCE_FLOOR = 1e-3
 """Nuisance width of a deviation that an ordinary car does not have, as a share of its effect width."""
 
 
+def is_scattering(parameter: EffectParameter) -> bool:
+    """True for a number of the vehicle file that is off in every car."""
+    return bool(parameter.vehicle_path) and parameter.nuisance_std > NUISANCE_FLOOR * parameter.effect_std
+
+
 @dataclass(frozen=True)
 class Priors:
     """Priors of all p deviations, each in its own unit.

@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Quadratic:
-    """Log likelihood b'z - z'Mz/2 (and a constant) of scaled deviations z (p,)."""
+    """Log likelihood b'z - z'Mz/2 (and a constant) of scaled deviations z (p,); of several data sets b is (p, n)."""
 
     information: FloatArray
     score: FloatArray
@@ -45,7 +45,7 @@ class Quadratic:
         # M - M C M loses digits where M is large, I - C D^-1 = C M does not
         left = np.eye(len(ratios)) - covariance * precision[None, :]
         information = precision[:, None] * left
-        return precision * mean, 0.5 * (information + information.T)
+        return (precision * mean.T).T, 0.5 * (information + information.T)
 
     def __add__(self, other: "Quadratic") -> "Quadratic":
         return Quadratic(self.information + other.information, self.score + other.score)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.evidence.bounded import lowest_within, ways_left
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.hypotheses import Hypothesis
 from model_diagnosis.evidence.quadratic import Quadratic, effect_evidence, total, widening
@@ -168,9 +169,7 @@ class Search:
                 again = self._refit_one(stage, Candidate(hypothesis, (start, known[0].theta)))
                 fits[hypothesis] = min(known, again, key=lambda one: one[0].cost)
             self._restart(stage, fits)
-        # beside an accepted effect what is left is small: there the deepest minimum of columns that the data hardly
-        # tell is that of the noise that came through the observer, and a surplus cause
-        if not stage.accepted and self._catch_up(stage, fits) and self._restart(stage, fits):
+        if self._catch_up(stage, fits) and self._restart(stage, fits):
             self._catch_up(stage, fits)
         stage.refits = [
             Refit(hypothesis, fit, self._score(stage, hypothesis, fit, parts), parts)
@@ -303,8 +302,17 @@ class Search:
         return [number for known in list(best.values())[:count] for number in known]
 
     def _linear_start(self, quadratic: Quadratic, stage: Stage, number: int) -> FloatArray:
-        mean, _ = quadratic.posterior(ratios(self.problem, (*stage.accepted, self.hypotheses[number])))
-        return self.problem.priors.centre + self.problem.scale * mean
+        """Lowest point of the parabola within the bounds; beyond them lies what no car is."""
+        precision = ratios(self.problem, (*stage.accepted, self.hypotheses[number])) ** -2.0
+        low, high = self._bounds(self.problem.priors.centre)
+        mean = lowest_within(quadratic.information + np.diag(precision), quadratic.score, low, high)
+        now = self.problem.scaled(stage.nothing_more.theta)
+        gradient = quadratic.score - quadratic.information @ now - precision * now
+        return stage.nothing_more.theta + self.problem.scale * self.problem.without_settled(gradient, mean - now)
+
+    def _bounds(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Ways (p,) that are left to the bounds, in units of the effect widths."""
+        return ways_left(theta, self.problem.priors.low, self.problem.priors.high, self.problem.scale)
 
     def _grid(self, stage: Stage, open_ones: Sequence[int]) -> list[tuple[int, FloatArray]]:
         """Best grid points of the best effects: one replay per point, the other columns moved by their chords."""
@@ -335,17 +343,16 @@ class Search:
         """Cost expected after one step of all columns from a grid point, and the point it leads to."""
         rows = self.problem.rows(theta)
         quadratic = self.problem.quadratic(stage.linearisation, rows, theta)
-        held = np.ones(len(theta), dtype=bool)
-        held[column] = False
         precision = (widths / self.problem.scale) ** -2.0
         scaled = self.problem.scaled(theta)
         gradient = quadratic.score - quadratic.information @ scaled - precision * scaled
-        chosen = np.flatnonzero(held)
-        curvature = quadratic.information[np.ix_(chosen, chosen)] + np.diag(precision[chosen])
-        step = np.linalg.solve(curvature, gradient[chosen])
-        start = theta.copy()
-        start[chosen] += step * self.problem.scale[chosen]
-        return self.problem.cost(rows, theta, widths) - float(gradient[chosen] @ step), start
+        low, high = self._bounds(theta)
+        low[column] = high[column] = 0.0
+        curvature = quadratic.information + np.diag(precision)
+        step = lowest_within(curvature, gradient, low, high)
+        step = self.problem.without_settled(gradient, step)
+        gained = float(2.0 * gradient @ step - step @ curvature @ step)
+        return self.problem.cost(rows, theta, widths) - gained, theta + step * self.problem.scale
 
     def related(
         self, linearisation: Linearisation, hypothesis: Hypothesis, accepted: Sequence[Hypothesis]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from model_diagnosis.evidence.checks import LeaveOneOut, effective_bic, leave_one_out
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
+from model_diagnosis.evidence.form_heat import OwnDirection, own_direction
 from model_diagnosis.evidence.hypotheses import Hypothesis
 from model_diagnosis.evidence.quadratic import Quadratic
 from model_diagnosis.evidence.search import Candidate, Refit, Search, Stage, ratios
@@ -34,12 +35,14 @@ class Accepted:
     ----------
     evidence : log Bayes factor against the same answer without it
     bic_change : BIC_eff with it minus without
+    direction : what the data says of its deviations, and how much more that scatters than noise
     """
 
     hypothesis: Hypothesis
     evidence: float
     bic_change: float
     held_out: LeaveOneOut
+    direction: OwnDirection
 
 
 @dataclass
@@ -124,6 +127,14 @@ class Selector:
             if self._bic_change(refit.fit, stage.nothing_more, refit.hypothesis) >= 0.0:
                 self.decisions.append(f"refused {self.name(refit.hypothesis)}: BIC_eff does not fall")
                 continue
+            own = self._direction(refit.hypothesis, stage.accepted, refit.fit, linearisation)
+            left = self._tempered(own, refit.hypothesis, stage.accepted, refit.fit, stage.nothing_more)
+            if left <= needed:
+                self.decisions.append(
+                    f"refused {self.name(refit.hypothesis)}: {left:.1f} is left of {refit.evidence:.1f}, for what it "
+                    f"explains scatters {own.heat:.1f} times as much as noise"
+                )
+                continue
             check = leave_one_out(
                 refit.parts,
                 ratios(self.problem, stage.accepted),
@@ -139,6 +150,19 @@ class Selector:
             return refit, linearisation
         return None
 
+    def _direction(
+        self, hypothesis: Hypothesis, others: Sequence[Hypothesis], fit: Fit, linearisation: Linearisation
+    ) -> OwnDirection:
+        """What the data says of a hypothesis beside the others, and how far it can be trusted."""
+        return own_direction(
+            self.problem,
+            linearisation,
+            fit.theta,
+            hypothesis.columns,
+            ratios(self.problem, others),
+            ratios(self.problem, (*others, hypothesis)),
+        )
+
     def _polish(self, fit: Fit) -> tuple[Fit, Linearisation]:
         """Fresh sensitivities at the accepted solution and the fit with them."""
         linearisation = self.problem.linearise(fit.theta)
@@ -151,7 +175,8 @@ class Selector:
         for hypothesis in list(chosen):
             rest = [one for one in chosen if one is not hypothesis]
             without = self.search.fit_set(rest, linearisation, fit.theta)
-            evidence = self._set_evidence(chosen, fit, linearisation) - self._set_evidence(rest, without, linearisation)
+            direction = self._direction(hypothesis, rest, fit, linearisation)
+            evidence = self._tempered(direction, hypothesis, rest, fit, without)
             if len(rest) and evidence <= self.needed:
                 self.decisions.append(f"dropped {self.name(hypothesis)}: only {evidence:.1f} beside the others")
                 chosen = rest
@@ -214,11 +239,21 @@ class Selector:
         without = self.search.fit_set(rest, linearisation, fit.theta)
         if not rest and nothing.cost < without.cost:
             without = nothing
-        evidence = self._set_evidence(chosen, fit, linearisation) - self._set_evidence(rest, without, linearisation)
+        direction = self._direction(hypothesis, rest, fit, linearisation)
         parts = self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta)
+        scaled = self.problem.scaled(fit.theta)
         return Accepted(
             hypothesis,
-            evidence,
+            self._tempered(direction, hypothesis, rest, fit, without),
             self._bic_change(fit, without, hypothesis),
-            leave_one_out(parts, ratios(self.problem, rest), hypothesis.columns, self.problem.scaled(fit.theta)),
+            leave_one_out(parts, ratios(self.problem, rest), hypothesis.columns, scaled),
+            direction,
         )
+
+    def _tempered(
+        self, direction: OwnDirection, hypothesis: Hypothesis, rest: Sequence[Hypothesis], fit: Fit, without: Fit
+    ) -> float:
+        """Log Bayes factor of a hypothesis beside the rest, its data worth less by its direction's heat."""
+        gained = self.search.set_cost(rest, without) - self.search.set_cost((*rest, hypothesis), fit)
+        # a stated value is not estimated: it has neither width nor size
+        return 0.5 * gained / direction.heat if hypothesis.value is not None else direction.tempered(gained)

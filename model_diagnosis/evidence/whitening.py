@@ -156,10 +156,10 @@ class Whitener:
         """Whitened sensitivities (N_m, p) of each manoeuvre."""
         return [self.whitened(m, values) for m, values in enumerate(sensitivities)]
 
-    def blocks(self) -> list[IntArray]:
-        """Number of the 0.5 s block that each whitened row of a manoeuvre belongs to."""
+    def blocks(self, samples: int = TEMPERATURE_BLOCK_SAMPLES) -> list[IntArray]:
+        """Number of the block of so many samples (0.5 s) that each whitened row of a manoeuvre belongs to."""
         return [
-            np.concatenate([one.samples[one.rows] // TEMPERATURE_BLOCK_SAMPLES for one in filters])
+            np.concatenate([one.samples[one.rows] // samples for one in filters])
             if filters
             else np.zeros(0, dtype=np.int64)
             for filters in self.filters
@@ -283,10 +283,10 @@ def huber_loss(whitened: FloatArray) -> float:
     return float(np.sum(np.where(size <= HUBER_LIMIT, size**2, HUBER_LIMIT * (2.0 * size - HUBER_LIMIT))))
 
 
-def temperature(
+def scatter(
     residuals: Sequence[FloatArray], sensitivities: Sequence[FloatArray], blocks: Sequence[IntArray]
-) -> float:
-    """Factor by which sums over 0.5 s blocks scatter more than white innovations would let them (at least 1)."""
+) -> tuple[FloatArray, FloatArray]:
+    """Squared scores of each column (p,), summed over blocks, and what white innovations would make of them."""
     columns = sensitivities[0].shape[1]
     observed, expected = np.zeros(columns), np.zeros(columns)
     for residual, matrix, block in zip(residuals, sensitivities, blocks, strict=True):
@@ -297,6 +297,14 @@ def temperature(
         score = member @ matrix
         observed += np.sum(score**2, axis=0)
         expected += np.einsum("ij,ij,i->j", matrix, matrix, weights)
+    return observed, expected
+
+
+def temperature(
+    residuals: Sequence[FloatArray], sensitivities: Sequence[FloatArray], blocks: Sequence[IntArray]
+) -> float:
+    """Factor by which sums over 0.5 s blocks scatter more than white innovations would let them (at least 1)."""
+    observed, expected = scatter(residuals, sensitivities, blocks)
     excited = expected > 1e-9 * max(float(expected.max(initial=0.0)), 1e-300)
     if not excited.any():
         return 1.0

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from model_diagnosis.effects.effect import Application, Group
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
-from model_diagnosis.evidence.priors import NUISANCE_FLOOR
-from model_diagnosis.evidence.quadratic import Quadratic, widening
+from model_diagnosis.evidence.form_heat import own_direction
+from model_diagnosis.evidence.priors import is_scattering
 
 FloatArray = NDArray[np.float64]
 
@@ -60,9 +60,7 @@ def nominal_columns(problem: Problem) -> NDArray[np.int64]:
         [
             column
             for column, parameter in enumerate(replay.parameters)
-            if parameter.vehicle_path
-            and parameter.nuisance_std > NUISANCE_FLOOR * parameter.effect_std
-            and replay.effects[int(replay.owner[column])].application == Application.PLANT
+            if is_scattering(parameter) and replay.effects[int(replay.owner[column])].application == Application.PLANT
         ],
         dtype=np.int64,
     )
@@ -93,7 +91,9 @@ def compare(
     fresh = problem.linearise(near.theta)
     fits = [problem.fit(fresh, widths[factor], near.theta) for factor in WIDENINGS]
     evidences = [
-        -0.5 * (fit.cost - nothing.cost) + _occam(problem, fresh, columns, factor)
+        own_direction(
+            problem, fresh, fit.theta, columns, problem.priors.nuisance / problem.scale, widths[factor] / problem.scale
+        ).tempered(nothing.cost - fit.cost)
         for fit, factor in zip(fits, WIDENINGS, strict=True)
     ]
     best = int(np.argmax(evidences))
@@ -110,11 +110,3 @@ def compare(
 
 def _cost(fit: Fit) -> float:
     return fit.cost
-
-
-def _occam(problem: Problem, linearisation: Linearisation, columns: NDArray[np.int64], factor: float) -> float:
-    """Log determinant part of the evidence of the wider scatter."""
-    nuisance = problem.priors.nuisance / problem.scale
-    _, information = Quadratic(linearisation.information, np.zeros(len(nuisance))).projected(nuisance)
-    added = (factor**2 - 1.0) * nuisance[columns] ** 2
-    return widening(np.zeros(len(columns)), information[np.ix_(columns, columns)], added)

@@ -134,3 +134,24 @@ def test_a_car_off_its_nominals_has_no_unknown_term() -> None:
     theta = np.zeros(len(replay.columns))
     assert {problem.balance.name for problem in problems_of(replay, theta)} >= {LONGITUDINAL, "wheel torque"}
     assert discover_unknown(replay, theta, [LONGITUDINAL, "lateral force", "yaw moment"]) == []
+
+
+def test_a_term_that_looks_like_a_number_which_scatters_is_told_and_not_kept() -> None:
+    """Rear tyres 10 % softer: one balance alone shows a term that looks like a weak wheel brake, which nobody named."""
+    nominal, hidden = _cars()
+    hidden.terms.stack.clear()
+    hidden.tyres.rear.lateral.stiffness *= 0.9
+    drives = [
+        (plant_log.sine_steer, 6.0, 25.0),
+        (plant_log.sine_steer, 6.0, 18.0),
+        (plant_log.brake_in_turn, 4.0, 20.0),
+    ]
+    replay = Replay(nominal, _measured(hidden, drives, 5))
+    unseen = Replay(nominal, _measured(hidden, [(plant_log.sine_steer, 6.0, 22.0)], 6))
+    theta = np.zeros(len(replay.columns))
+    found = discover_unknown(replay, theta, ["lateral force"])
+    assert any("wheel_brake_weak" in one.same_as for one in found)
+    before = Diagnosis(verdict="nothing_found", guilty_equations={"lateral force": 100.0})
+    answer, terms = with_unknown(before, replay, theta, unseen)
+    assert (answer.verdict, answer.discovered_terms, terms) == ("nothing_found", [], [])
+    assert any("is not kept" in remark for remark in answer.remarks)
