@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 SUMMARY_FILE, PICTURE_FILE, PAGE_FILE = "comparison.json", "comparison.png", "comparison.html"
 _HEADS = ("estimator", "RMSE", "mean error", "relative", "to ±10 %", "jumps")
+_LABEL_POINTS, _SMALL_LABEL_POINTS = 8.0, 5.5
+_FEW_CASES = 10
+"""Cases beside each other whose labels have room at the usual size."""
 _COLOURS = (
     "#0b62c4", "#7fb2ea", "#c2410c", "#f0b23e", "#0f7b4f", "#7cc4a2", "#9333a8", "#b45309", "#515b6a", "#14181f",
 )  # fmt: skip
@@ -177,7 +180,8 @@ def _bars(axis: "Axes", result: GroupComparison, quantity: str) -> None:
             axis.bar(x, min(score.rmse, highest), 0.92 * width, color=_colours(result)[score.estimator])
             if score.rmse > highest:
                 axis.annotate(f"{score.rmse:.2g}", (x, highest), ha="center", va="bottom", fontsize=6, rotation=90)
-    axis.set_xticks(range(len(grouped)), [case.replace(", ", ",\n") for case, _ in grouped])
+    points = _LABEL_POINTS if len(grouped) <= _FEW_CASES else _SMALL_LABEL_POINTS
+    axis.set_xticks(range(len(grouped)), ["\n".join(case.split()) for case, _ in grouped], fontsize=points)
     axis.set_ylim(0.0, 1.12 * highest)
     axis.set_title(_heading(result, quantity), loc="left", fontsize=9)
     axis.grid(axis="x", visible=False)

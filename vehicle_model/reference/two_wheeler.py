@@ -211,13 +211,13 @@ def ride(
     rows[0]["drag"] = 0.5 * vehicle.aerodynamics.air_density * drag_area
     time = _samples(len(profiles.lean))
     table = np.zeros((len(time), 4, 3))
-    table[:, P_ROLL], table[:, P_SPEED] = _derived(time, profiles.lean), _derived(time, profiles.speed)
+    table[:, P_ROLL], table[:, P_SPEED] = _derived(time, profiles.lean, profiles.speed)
     results = np.zeros((len(time), 14))
     elevation = np.zeros(len(time))
     yaw = np.zeros((len(time), 2))
     for _ in range(_ROUNDS if suspended else 1):
-        table[:, P_ELEVATION] = _derived(time, elevation)
-        table[:, P_PITCH] = _derived(time, pitch_on(profiles.slope, elevation, profiles.lean))
+        pitch = pitch_on(profiles.slope, elevation, profiles.lean)
+        table[:, P_ELEVATION], table[:, P_PITCH] = _derived(time, elevation, pitch)
         coarse = np.zeros((len(time) + 1) // 2)
         solve_yaw(rows, table, SAMPLE_S, coarse, contact == "front")
         spline = make_interp_spline(time[::2], coarse, k=5)
@@ -228,12 +228,17 @@ def ride(
     return _told(rows[0], time, table, profiles, spline, results, vehicle, contact)
 
 
-def _derived(time: FloatArray, values: FloatArray) -> FloatArray:
-    """Value, first and second derivative of a quintic spline, shape (n, 3)."""
-    if not np.ptp(values):
-        return np.column_stack([values, np.zeros((len(values), 2))])
-    spline = make_interp_spline(time, values, k=5)
-    return np.column_stack([values, spline(time, 1), spline(time, 2)])
+def _derived(time: FloatArray, *values: FloatArray) -> list[FloatArray]:
+    """Value, first and second derivative of a quintic spline through each of the values (n,), shape (n, 3) each."""
+    found = [np.column_stack([one, np.zeros((len(one), 2))]) for one in values]
+    moving = [k for k, one in enumerate(values) if np.ptp(one)]
+    if moving:
+        # one spline of all: its matrix is factored once
+        spline = make_interp_spline(time, np.column_stack([values[k] for k in moving]), k=5)
+        first, second = spline(time, 1), spline(time, 2)
+        for column, k in enumerate(moving):
+            found[k][:, 1], found[k][:, 2] = first[:, column], second[:, column]
+    return found
 
 
 def pitch_on(slope: FloatArray, elevation: FloatArray, lean: FloatArray) -> FloatArray:
