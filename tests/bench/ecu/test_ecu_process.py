@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,11 @@ import pytest
 
 from bench.codec.codec import Codec
 from bench.ecu.node import EcuNode
-from bench.ecu.process import serve
+from bench.ecu.process import LEAST_REST_S, MOST_TICKS_WITHOUT_REST, TICK_S, run_in_real_time, serve
 from bench.links.barrier import BarrierServer
 from bench.links.frame import new_frames
 from bench.links.registry import open_link
+from bench.loop.scheduling import CorePlan
 from signals.errors import InputError
 
 ROOT = Path(__file__).parents[3]
@@ -98,6 +100,50 @@ def test_real_time_keeps_the_periods_and_ends_cleanly_on_sigterm(bus: Any) -> No
     finally:
         ecu.kill()
         ecu.communicate()
+
+
+class SlowNode(EcuNode):
+    """Takes three periods for each tick."""
+
+    def __init__(self) -> None:
+        super().__init__("sensitive", Codec.load())
+        self.at_work: list[tuple[float, float]] = []
+
+    def tick(self, *arguments: Any) -> int:
+        began = time.perf_counter()
+        sent = super().tick(*arguments)
+        while time.perf_counter() < began + 3 * TICK_S:
+            pass
+        self.at_work.append((began, time.perf_counter()))
+        return sent
+
+
+@pytest.mark.real_time
+def test_ecu_on_a_machine_too_slow_for_it_leaves_time_to_the_bench(bus: Any) -> None:
+    """No six ticks without the rest that docs/ecu.md promises: on the only core the bench would starve."""
+    node = SlowNode()
+    with open_link(bus.text, role="ecu") as at_ecu:
+        run_in_real_time(node, at_ecu, lambda: signal.SIGTERM if len(node.at_work) == 60 else 0)
+    began, ended = np.array(node.at_work).T
+    rested = np.flatnonzero(began[1:] - ended[:-1] >= LEAST_REST_S)
+    assert np.diff(rested).max() <= MOST_TICKS_WITHOUT_REST + 1
+    assert rested[-1] >= 60 - 1 - (MOST_TICKS_WITHOUT_REST + 1)
+
+
+@pytest.mark.parametrize(("cores", "fifo"), [(1, False), (2, True)])
+def test_no_fixed_priority_on_the_only_core(bus: Any, monkeypatch: pytest.MonkeyPatch, cores: int, fifo: bool) -> None:
+    wanted: list[bool] = []
+
+    @contextmanager
+    def without_rights(plan: CorePlan, *, fifo: bool = True) -> Iterator[None]:
+        wanted.append(fifo)
+        yield
+
+    monkeypatch.setattr("os.cpu_count", lambda: cores)
+    monkeypatch.setattr("bench.ecu.process.real_time_process", without_rights)
+    monkeypatch.setattr("bench.ecu.process.run_in_real_time", lambda node, link, ended: None)
+    assert serve(bus.text) == 0
+    assert wanted == [fifo]
 
 
 def test_silent_ecu_stays_silent(bus: Any, tmp_path: Path) -> None:
