@@ -12,21 +12,23 @@ from bench.loop.scheduling import die_with_parent
 from bench.sensor_cluster.sensor_block import SERVED, SensorBlock
 from bench.sensor_cluster.words import WORD_BYTES
 
+WAIT_S = 0.01
+"""For a word, and once more for the rest of one that has begun."""
+
 
 def serve(block: SensorBlock, device: str, baud_rate: int) -> None:
-    """Answer transfers until the process is ended; bytes of an unfinished word are dropped after 20 ms."""
+    """Answer transfers until the process is ended; an unfinished word is dropped within 20 ms of its last byte."""
     import serial
 
-    with serial.Serial(device, baud_rate, timeout=0.02) as port:
+    with serial.Serial(device, baud_rate, timeout=WAIT_S) as port:
         block.transfer(0)  # compiled before the master may wait for it
         port.reset_input_buffer()
         block.memory[SERVED] = 1
-        pending = b""
         while True:
-            got = port.read(WORD_BYTES - len(pending) or WORD_BYTES)
-            pending = pending + got if got else b""
-            while len(pending) >= WORD_BYTES:
-                word, pending = pending[:WORD_BYTES], pending[WORD_BYTES:]
+            word = port.read(WORD_BYTES)
+            if 0 < len(word) < WORD_BYTES:  # begun at the end of the wait: a whole wait for the rest
+                word += port.read(WORD_BYTES - len(word))
+            if len(word) == WORD_BYTES:
                 port.write(block.transfer(int.from_bytes(word, "big")).to_bytes(WORD_BYTES, "big"))
 
 
