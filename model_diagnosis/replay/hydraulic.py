@@ -38,6 +38,9 @@ _THRESHOLD = "hydraulics.pressure_change_threshold"
 _EVERY_CHANGE_PA = 1e3
 _PUMP_SAMPLES = 50
 _VALVES = ("inlet", "outlet")
+_DEAD_TIMES = frozenset(f"hydraulics.{valve}_delay_{wheel}" for valve in _VALVES for wheel in WHEELS)
+_EARLIEST_S = 0.5 * SAMPLE_TIME_S
+"""A command is known to half a sample only: with a dead time near 0 a valve may have moved so much before it."""
 _OF_VALVES = (
     "inlet_valve_delay",
     "outlet_valve_delay",
@@ -46,6 +49,10 @@ _OF_VALVES = (
     "low_pressure_accumulator_full",
 )
 """Effects of what fluid passes only while a valve is moved, or comes from there."""
+_LEAKS = tuple(f"hydraulics.brake_leak_{wheel}" for wheel in WHEELS)
+_LEAST_LEAK = 1e-21
+"""m^3/s/Pa, no measurable pressure. A segment that nothing disturbs goes on by its time, one that is disturbed anew from
+its pressure: with the first leak or air the pressures would jump by what half a percent of a failure does."""
 _WHOLE = 1e-9
 _UNITS_KEPT = 64
 _TELLING_PA = 1e5
@@ -194,7 +201,8 @@ class HydraulicReplay:
         volume = deviations.get("brake_knock_back.volume", 0.0)
         throttled = deviations.get("form_return.lag", 0.0)
         least = np.zeros_like(valid) if least is None else least
-        return_kept = float(np.exp(-STEP_S / throttled)) if throttled > 0.0 else 0.0
+        # an implicit step: its slope at a lag of 0 is not 0, as that of an exponential would be
+        return_kept = throttled / (throttled + STEP_S)
         changes = tuple((column, value) for column, value in deviations.items() if column in _PATHS)
         total = np.zeros((len(master), 4))
         out = np.empty_like(total)
@@ -260,16 +268,22 @@ class HydraulicReplay:
                 relative = HYDRAULIC_COLUMNS[column].relative
                 values[path] = values[path] * (1.0 + deviation) if relative else values[path] + deviation
         for path in {path for column, _ in changes for path in _PATHS[column] if path in values}:
-            values[path] = max(values[path], 0.0)  # of two deviations that act on one number only the sum is limited
+            # of two deviations that act on one number only the sum is limited
+            values[path] = max(values[path], -_EARLIEST_S if path in _DEAD_TIMES else 0.0)
         if flows:
             values[_THRESHOLD] = min(values[_THRESHOLD], _EVERY_CHANGE_PA)
+            values |= {path: max(values[path], _LEAST_LEAK) for path in _LEAKS}
         return values
 
 
 def _lagged(values: FloatArray, time_constant: float) -> FloatArray:
-    """Values (n,) behind a first-order lag [s] that rests at the first one."""
+    """Values (n,) behind a first-order lag [s] that rests at the first one, straight lines between them.
+
+    A lag far below a sample delays by its time constant; values held over a sample would not feel it.
+    """
     kept = float(np.exp(-SAMPLE_TIME_S / time_constant))
-    lagged, _ = lfilter([1.0 - kept], [1.0, -kept], values, zi=np.array([kept * values[0]]))
+    late = time_constant / SAMPLE_TIME_S * (1.0 - kept)
+    lagged, _ = lfilter([1.0 - late, late - kept], [1.0, -kept], values, zi=np.array([late * values[0]]))
     return np.asarray(lagged, dtype=np.float64)
 
 
@@ -277,12 +291,12 @@ def _whole_delays(values: Mapping[str, float]) -> list[tuple[FloatArray, dict[st
     """The unit's dead times are whole milliseconds: shares (4,) of the runs whose pressures are blended.
 
     Three neighbours are blended by a quadratic spline, whose slope has no jumps that a fit could rest in; what inlet
-    and outlet valves add is summed. A dead time of -1 ms goes on in a straight line from 0 and 1.
+    and outlet valves add is summed. Below 0 the pressures go on in a straight line from dead times of 0 and 1 ms.
     """
     whole, shares = {}, {}
     for valve in _VALVES:
         steps = np.array([values[f"hydraulics.{valve}_delay_{wheel}"] for wheel in WHEELS]) / STEP_S
-        whole[valve] = np.round(steps)
+        whole[valve] = np.maximum(np.round(steps), 0.0)
         part = steps - whole[valve]
         if np.max(np.abs(part)) < _WHOLE:
             continue

@@ -61,7 +61,7 @@ _STEP_SHARE = 0.001
 leaves, even a slope that is a few percent off promises what no step holds."""
 
 _COARSE_STEP_SHARE = 0.05
-"""The same for what acts by jumps: commands of the hydraulic unit take effect by whole ticks, roads change at once."""
+"""The same for what acts by jumps: a hydraulic unit that moves by steps, roads that change at once."""
 
 _ACT_BY_JUMPS = ("mu_step.place",)
 
@@ -325,7 +325,7 @@ class Replay:
 
     def _step_of(self, theta: FloatArray, column: int) -> float:
         parameter, name = self.parameters[column], self.columns[column]
-        jumps = acts_on_pressures(name) or name in _ACT_BY_JUMPS
+        jumps = name in _ACT_BY_JUMPS or (acts_on_pressures(name) and not self.pressures.unit.flows)
         step = (_COARSE_STEP_SHARE if jumps else _STEP_SHARE) * parameter.effect_std
         return step if theta[column] + step <= parameter.high else -step
 

@@ -86,6 +86,61 @@ def test_dead_times_have_no_kink_at_whole_milliseconds(car: VehicleFile, log: Ma
     assert np.linalg.norm(after - before) < 0.1 * np.linalg.norm(after + before)
 
 
+@pytest.mark.parametrize("valve", ["inlet", "outlet"])
+def test_dead_times_have_no_kink_at_zero(car: VehicleFile, log: Manoeuvre, valve: str) -> None:
+    """Commands are known to half a sample: a valve may have moved before. Held at 0, a fit would rest there."""
+    assert getattr(car.hydraulics, f"{valve}_delay_fl") == 0.0
+    model = Replay(car, [log])
+    index = model.columns.index(f"{valve}_valve_delay.fl")
+    predictions = []
+    for delay in (-0.05e-3, 1e-9, 0.05e-3):
+        theta = np.zeros(len(model.columns))
+        theta[index] = delay
+        predictions.append(model.predict(theta, 0))
+    before, after = predictions[1] - predictions[0], predictions[2] - predictions[1]
+    assert np.abs(after).max() > 1e3
+    assert np.linalg.norm(after - before) < 0.1 * np.linalg.norm(after + before)
+
+
+@pytest.mark.parametrize("time_constant", [1e-5, 1e-3, 0.02])
+def test_booster_lags_behind_a_ramp_by_its_time_constant(
+    car: VehicleFile, log: Manoeuvre, time_constant: float
+) -> None:
+    """tau dy/dt + y = u of a ramp u = c t from rest: y = c (t - tau (1 - exp(-t/tau))), between samples as well."""
+    assert car.hydraulics is not None
+    pedal = 100.0 * log.time
+    model = Replay(car, [replace(log, channels=dict(log.channels) | {"pedal_force": pedal})])
+    hydraulics = replace(model.prepared[0].hydraulics, pedal=pedal)
+    lagged = model.pressures.unit.master({"form_booster.lag": time_constant}, hydraulics)
+    late = log.time - time_constant * (1.0 - np.exp(-log.time / time_constant))
+    assert lagged == pytest.approx(car.brakes.booster_gain * 100.0 * late, rel=1e-9, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "column",
+    [
+        "outlet_valve_conductance.fl",
+        "inlet_valve_conductance.fl",
+        "hydraulic_leak.fl",
+        "form_booster.lag",
+    ],
+)
+def test_sensitivities_of_a_unit_that_flows_hold_at_the_size_of_a_fits_last_steps(
+    car: VehicleFile, log: Manoeuvre, column: str
+) -> None:
+    """A check valve and a dead band bend pressures within few steps: slopes taken wide promise what no step holds."""
+    model = Replay(car, [log])
+    model.pressures.unit.flows = True
+    theta = np.zeros(len(model.columns))
+    index = model.columns.index(column)
+    found = model.sensitivities(theta, [index])[0][:, :, 0]
+    step = 0.005 * model.parameters[index].effect_std
+    nominal = model.predict(theta, 0)
+    theta[index] = step
+    change = (model.predict(theta, 0) - nominal) / step
+    assert np.linalg.norm(found - change) < 0.05 * np.linalg.norm(change)
+
+
 def test_one_late_valve_delays_its_own_wheel_alone(car: VehicleFile, log: Manoeuvre) -> None:
     """The same wheel as with all valves late by as much, and the others as with none."""
     model = Replay(car, [log])
