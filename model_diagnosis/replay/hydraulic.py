@@ -51,8 +51,8 @@ _OF_VALVES = (
 """Effects of what fluid passes only while a valve is moved, or comes from there."""
 _LEAKS = tuple(f"hydraulics.brake_leak_{wheel}" for wheel in WHEELS)
 _LEAST_LEAK = 1e-21
-"""m^3/s/Pa, no measurable pressure. A segment that nothing disturbs goes on by its time, one that is disturbed anew from
-its pressure: with the first leak or air the pressures would jump by what half a percent of a failure does."""
+"""m^3/s/Pa, no measurable pressure. A segment that nothing disturbs goes on by its time, one that is disturbed anew
+from its pressure: with the first leak or air the pressures would jump by what half a percent of a failure does."""
 _WHOLE = 1e-9
 _UNITS_KEPT = 64
 _TELLING_PA = 1e5
