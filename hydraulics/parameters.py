@@ -93,6 +93,7 @@ PARAMETERS: tuple[Parameter, ...] = (
         "accumulator_pressure", "Pa", 5e5, 0.0, 2e6, "pressure of a full low-pressure accumulator", "document 2.6.1"
     ),
     _hydraulics("accumulator_volume", "m^3", 4e-6, 1e-7, 1e-4, "capacity per circuit", "assumed: usual 2 to 4 cm^3"),
+    _hydraulics("pump_back_pressure", "1", 0.0, 0.0, 1.0, "accumulators' share left by a running pump", "neutral"),
     _hydraulics("pump_flow", "m^3/s", 6e-6, 0.0, 1e-3, "return pump, per circuit", "assumed"),
     _hydraulics("pump_pressure", "Pa", 1.5e7, 0.0, 4e7, "pressure of active build-up", "assumed"),
     _hydraulics("active_build_up", "1", 0.0, 0.0, 1.0, "1 while an ESP logic builds pressure by pump", "neutral"),

@@ -45,8 +45,11 @@ def line_pressure(parameters: Any, wheel: int, supply: float) -> float:
 
 @njit(cache=True)
 def low_pressure(parameters: Any, state: Any, wheel: int, pump: int) -> float:
-    """Pressure behind the wheel's outlet valve: a running pump keeps it at 0."""
-    return 0.0 if pump else accumulator_pressure(parameters, state, circuit_of(parameters, wheel))
+    """Pressure behind the wheel's outlet valve: a running pump leaves a share of the accumulator's, as a rule none."""
+    if pump and parameters.pump_back_pressure == 0.0:
+        return 0.0
+    share = float(parameters.pump_back_pressure) if pump else 1.0
+    return share * accumulator_pressure(parameters, state, circuit_of(parameters, wheel))
 
 
 @njit(cache=True)

@@ -17,6 +17,7 @@ LONGEST_DELAY_STEPS = 128
 _UNIT_NUMBERS = (
     "accumulator_pressure",
     "accumulator_volume",
+    "pump_back_pressure",
     "pump_flow",
     "pump_pressure",
     "active_build_up",

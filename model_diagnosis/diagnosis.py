@@ -127,7 +127,7 @@ def diagnose(
     if at_most_s is not None:
         manoeuvres = liveliest(manoeuvres, at_most_s)
     try:
-        replay = Replay(car, manoeuvres)
+        replay = Replay(car, manoeuvres, conditions=True)
     except InputError as error:
         raise _with_faults(error, faults) from None
     if not any(len(replay.signals(number)) for number in range(len(manoeuvres))):

@@ -173,6 +173,9 @@ class Hydraulics(FileModel):
     accumulator_volume: float = parameter(
         "m^3", 4e-6, low=1e-7, high=1e-4, description="capacity per circuit", source="assumed: usual 2 to 4 cm^3"
     )
+    pump_back_pressure: float = _from_zero(
+        "share of an accumulator's pressure that stays behind the outlet valves while the pump runs", "1", 1.0
+    )
     pump_flow: float = parameter(
         "m^3/s", 6e-6, low=0.0, high=1e-3, description="return pump, per circuit", source="assumed"
     )

@@ -15,6 +15,7 @@ from model_diagnosis.discovery.quantities import Balance, Variable, smoothed, st
 from model_diagnosis.discovery.regression import orthonormal, without
 from model_diagnosis.discovery.search import DiscoveredTerm
 from model_diagnosis.effects.catalogue import EFFECTS
+from model_diagnosis.effects.conditions import only_in
 from model_diagnosis.effects.effect import Application
 from model_diagnosis.replay.replay import Replay
 
@@ -33,6 +34,8 @@ def effect_columns(replay: Replay, theta: FloatArray, balance: Balance) -> dict[
     for place, parameter in enumerate(replay.parameters):
         effect = replay.effects[replay.owner[place]]
         if effect.application is not Application.PLANT or effect.discrete or effect.name not in _NAMES:
+            continue
+        if only_in(replay.columns[place]) is not None:
             continue
         step = _STEP * parameter.effect_std
         moved = theta.copy()

@@ -68,6 +68,14 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         EffectParameter("compliance", "1", -0.98, 3.0, 1.0, 1.0),
     ),
     _form(
+        "form_wheel_inertia",
+        Group.DRIVELINE,
+        "J_w <- (1 + d) J_w of an axle's wheels: a number of the data sheet that is off, and no cause of its own",
+        ("wheel_speed_fl", "wheel_speed_fr", "wheel_speed_rl", "wheel_speed_rr", "longitudinal_acceleration"),
+        EffectParameter("front", "1", -0.3, 0.3, 0.03, 0.03, "wheels.f*.inertia"),
+        EffectParameter("rear", "1", -0.3, 0.3, 0.03, 0.03, "wheels.r*.inertia"),
+    ),
+    _form(
         "form_body_inertia",
         Group.BODY,
         "I_xx <- (1 + d) I_xx, I_yy <- (1 + d) I_yy of the sprung body",
@@ -110,6 +118,13 @@ FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
         "p falls to a lower supply by tau dp/dt = p_supply - p, past a check valve that throttles",
         ("brake_pressure_fl", "brake_pressure_fr", "brake_pressure_rl", "brake_pressure_rr"),
         EffectParameter("lag", "s", 0.0, 0.05, 0.01, 0.01, relative=False),
+    ),
+    _form(
+        "form_pump_back_pressure",
+        Group.HYDRAULICS,
+        "p_outlet = d p_accumulator while the pump runs: a weak pump does not keep the line behind the outlets empty",
+        ("brake_pressure_fl", "brake_pressure_fr", "brake_pressure_rl", "brake_pressure_rr"),
+        EffectParameter("share", "1", 0.0, 1.0, 0.3, 0.3, "hydraulics.pump_back_pressure", relative=False),
     ),
     _form(
         "form_booster",

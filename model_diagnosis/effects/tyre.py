@@ -128,7 +128,7 @@ TYRE_EFFECTS: tuple[Effect, ...] = (
     ),
     _tyre(
         name="rolling_resistance",
-        equation="F = Fz f0 (1 + d) (1 + f1 v)",
+        equation="F = Fz f0 (1 + d + f1 v)",
         parameters=(
             EffectParameter("constant", "1", -0.7, 1.5, 0.05, 0.35, "wheels.*.rolling_resistance"),
             EffectParameter("speed", "s/m", -0.005, 0.03, 0.001, 0.008, relative=False),

@@ -14,7 +14,7 @@ from model_diagnosis.evidence.quadratic import Quadratic, total, widening
 FloatArray = NDArray[np.float64]
 
 WORST_SINGLE_MANOEUVRE = -3.0
-WORST_SHARE = 0.1
+WORST_SHARE = 0.25
 """A strong effect shows form errors in some manoeuvre: it may lose this share of what it gains in all together. Where
 any manoeuvre alone would prove it, none of them adds to the evidence of the others, and the sum too is that of form
 errors."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.effects.conditions import only_in
 from model_diagnosis.effects.form import FORM_NAMES
 from model_diagnosis.evidence.replay_model import ReplayModel
 from signals.wheels import WHEELS
@@ -46,8 +47,14 @@ def hypotheses_of(replay: ReplayModel, available: Sequence[bool] | None = None) 
         if replay.effects[index].discrete:
             found += _discrete(index, columns, replay)
             continue
-        choices = list(dict.fromkeys([tuple(columns), *_wheels(columns, replay), *((column,) for column in columns)]))
-        found += [Hypothesis(index, choice, 1.0 / len(choices)) for choice in choices]
+        single = [column for column in columns if only_in(replay.columns[column]) is not None]
+        columns = [column for column in columns if column not in single]
+        choices = [tuple(columns), *_wheels(columns, replay), *((column,) for column in columns)] if columns else []
+        choices = list(dict.fromkeys(choices))
+        # that it holds in one of the manoeuvres only is one more choice
+        share = 1.0 / (len(choices) + bool(single))
+        found += [Hypothesis(index, choice, share) for choice in choices]
+        found += [Hypothesis(index, (column,), share / len(single)) for column in single]
     return found
 
 

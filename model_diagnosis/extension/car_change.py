@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
+from model_diagnosis.effects.conditions import everywhere
 from model_diagnosis.effects.effect import Application, Effect, EffectParameter, Group
 from model_diagnosis.extension.laws import LAWS
 from signals.errors import InputError
@@ -77,7 +78,7 @@ def change_of(vehicle: VehicleFile, effect: Effect, deviations: Mapping[str, flo
         If the vehicle has no parameter for the effect, say for a tyre of another formula.
     """
     present = {name: value for name, value in deviations.items() if value != 0.0}
-    unknown = set(present) - {parameter.name for parameter in effect.parameters}
+    unknown = {everywhere(name) for name in present} - {parameter.name for parameter in effect.parameters}
     if unknown:
         raise InputError(
             f"{effect.name}: no such parameter",
@@ -103,7 +104,7 @@ def change_of(vehicle: VehicleFile, effect: Effect, deviations: Mapping[str, flo
 def _conditions(effect: Effect, present: Mapping[str, float]) -> dict[str, str]:
     units = {parameter.name: parameter.unit for parameter in effect.parameters}
     return {
-        f"{effect.name}.{name}": f"{value:g}" + (f" {units[name]}" if units[name] != "1" else "")
+        f"{effect.name}.{name}": f"{value:g}" + (f" {unit}" if (unit := units[everywhere(name)]) != "1" else "")
         for name, value in present.items()
     }
 

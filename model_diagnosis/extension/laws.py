@@ -100,7 +100,7 @@ def _rolling_resistance(vehicle: VehicleFile, deviation: Mapping[str, float]) ->
         terms = [
             _term(
                 "rolling_resistance",
-                values[f"wheels.{wheel}.rolling_resistance"] * share * deviation["speed"],
+                values[f"wheels.{wheel}.rolling_resistance"] * deviation["speed"],
                 {"variable": "speed"},
                 wheels=wheel,
                 description="rolling resistance by speed",

@@ -7,6 +7,7 @@ import math
 
 from numba import njit
 
+from model_diagnosis.replay.lag_step import followed
 from model_diagnosis.replay.record import Record
 
 _REFERENCE_SPEED_M_S = 10.0
@@ -56,8 +57,10 @@ def brake_capacity(p: Record, s: Record, i: int, pressure: float, step: float) -
     share = _friction_share(p, s, i, omega)
     torque = p.torque_per_pressure[i] * _effective_pressure(p, s, i, pressure) * share
     if p.caliper_lag != 0.0:
-        torque = (p.caliper_lag * s.lagged_torque[i] + step * torque) / (p.caliper_lag + step)
-        s.lagged_torque[i] = torque
+        following = step / (2.0 * p.caliper_lag + step)
+        before, target = s.lagged_torque[i], torque
+        torque = before + following * (target - before)
+        s.lagged_torque[i] = followed(before, target, 0.0, following)
     torque += p.drag_torque[i]
     above = s.disc_temperature[i] - p.ambient_temperature
     cooling = (p.cooling[i] + p.cooling_per_speed[i] * omega) * above

@@ -16,25 +16,41 @@ from model_diagnosis.replay.record import Record
 _LARGEST_ANGLE = 0.4
 """Pitch and roll [rad] beyond which the small angles of this model mean nothing; a car that tips over stays there."""
 
+_SHORTEST_LAG_S = 1e-6
+
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def move_body(p: Record, s: Record, step: float) -> None:
-    """Loads of the four wheels, then one step of heave, pitch and roll under them."""
-    speed = s.speed
+def look_ahead(s: Record, step: float) -> None:
+    """Motion in the middle of the step, by what the step before has left: forces that act over it follow from there.
+
+    With forces of its beginning a wheel's slip in a stop would be off by the change of speed in half a step.
+    """
+    half = 0.5 * step
+    s.mid_speed = s.speed + half * s.speed_rate
+    s.mid_lateral_speed = s.lateral_speed + half * s.lateral_rate
+    s.mid_yaw_rate = s.yaw_rate + half * s.yaw_acceleration
+    s.mid_pitch_rate = s.pitch_rate + half * s.pitch_acceleration
+    s.mid_roll_rate = s.roll_rate + half * s.roll_acceleration
+    s.mid_pitch, s.mid_roll = s.pitch + half * s.pitch_rate, s.roll + half * s.roll_rate
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def load_wheels(p: Record, s: Record, step: float) -> None:
+    """Loads of the four wheels in the middle of the step, and what springs, dampers and links do to the body."""
+    speed, roll, pitch = s.mid_speed, s.mid_roll, s.mid_pitch
+    heave, heave_rate = s.heave + 0.5 * step * s.heave_rate, s.heave_rate + 0.5 * step * s.heave_acceleration
     lift_front, lift_rear = p.lift_front * speed * speed, p.lift_rear * speed * speed
     up = lift_front + lift_rear
     nose_down = -p.wheel_x[0] * lift_front - p.wheel_x[2] * lift_rear
     left_up = 0.0
-    s.spin_momentum = 0.0
-    about_wheels = 0.0  # moments on the car about the wheels' axes: spin-up, and rolling resistance from the ground
     for i in range(4):
         x, y = p.wheel_x[i], p.wheel_y[i]
         # the axle's mean compression, and half its difference to the other wheel
         arm = p.pitch_arm[i]
-        mean, half = arm * s.pitch - s.heave, -y * s.roll
+        mean, half = arm * pitch - heave, -y * roll
         mean_share, half_share = p.mean_share[i], p.half_share[i]
         travel = mean_share * mean + half_share * half
-        mean_rate, half_rate = mean_share * (arm * s.pitch_rate - s.heave_rate), -half_share * y * s.roll_rate
+        mean_rate, half_rate = mean_share * (arm * s.mid_pitch_rate - heave_rate), -half_share * y * s.mid_roll_rate
         rate = mean_rate + half_rate
         damping = p.compression_damping[i] if rate > 0.0 else p.rebound_damping[i]
         change = p.mean_rate[i] * mean + p.half_rate[i] * half
@@ -45,41 +61,77 @@ def move_body(p: Record, s: Record, step: float) -> None:
         force_x = s.tyre_x[i]
         change += (p.guide_brake[i] if force_x < 0.0 else p.guide_drive[i]) * force_x
         # the wheel travels along the body's z axis, which leans with the body
-        change += (p.guide_side[i] + p.guide_lean * s.roll) * s.tyre_y[i] - p.guide_lean * s.pitch * force_x
+        change += (p.guide_side[i] + p.guide_lean * roll) * s.tyre_y[i] - p.guide_lean * pitch * force_x
         change = max(change, -p.static_load[i])
         s.load[i], s.travel[i], s.travel_rate[i] = p.static_load[i] + change, travel, rate
         up += change
         nose_down -= x * change
         left_up += y * change
+    s.spring_up, s.spring_nose_down, s.spring_left_up = up, nose_down, left_up
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def move_body(p: Record, s: Record, step: float) -> None:
+    """One step of heave, pitch and roll under the forces of this step."""
+    s.spin_momentum = 0.0
+    about_wheels = 0.0  # moments on the car about the wheels' axes: spin-up, and rolling resistance from the ground
+    for i in range(4):
         s.spin_momentum += p.spin_inertia[i] * s.spin[i]
         about_wheels += p.spin_inertia[i] * s.spin_rate[i] + s.rolling_torque[i]
     weight, above = p.mass * GRAVITY, p.height - p.radius[0]
-    drag = p.drag * speed * speed
-    nose_down += weight * (above + p.pitch_weight_arm) * s.pitch - about_wheels
+    drag = p.drag * s.mid_speed * s.mid_speed
+    nose_down = s.spring_nose_down + weight * (above + p.pitch_weight_arm) * s.mid_pitch - about_wheels
     nose_down -= p.height * (s.force_x + drag) + (p.drag_height - p.height) * drag
-    left_up += weight * (above + p.roll_weight_arm) * s.roll + p.height * s.force_y + s.yaw_rate * s.spin_momentum
-    s.heave_rate += step * up * p.inverse_sprung
+    left_up = s.spring_left_up + weight * (above + p.roll_weight_arm) * s.mid_roll + p.height * s.force_y
+    left_up += s.mid_yaw_rate * s.spin_momentum
+    s.heave_acceleration = s.spring_up * p.inverse_sprung
     s.pitch_acceleration, s.roll_acceleration = nose_down * p.inverse_pitch, left_up * p.inverse_roll
+    s.heave += step * (s.heave_rate + 0.5 * step * s.heave_acceleration)
+    pitch = s.pitch + step * (s.pitch_rate + 0.5 * step * s.pitch_acceleration)
+    roll = s.roll + step * (s.roll_rate + 0.5 * step * s.roll_acceleration)
+    s.pitch = min(max(pitch, -_LARGEST_ANGLE), _LARGEST_ANGLE)
+    s.roll = min(max(roll, -_LARGEST_ANGLE), _LARGEST_ANGLE)
+    s.heave_rate += step * s.heave_acceleration
     s.pitch_rate += step * s.pitch_acceleration
     s.roll_rate += step * s.roll_acceleration
-    s.heave += step * s.heave_rate
-    s.pitch = min(max(s.pitch + step * s.pitch_rate, -_LARGEST_ANGLE), _LARGEST_ANGLE)
-    s.roll = min(max(s.roll + step * s.roll_rate, -_LARGEST_ANGLE), _LARGEST_ANGLE)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _air(p: Record, s: Record) -> tuple[float, float, float]:
     """Air forces along and across, and their yaw moment."""
-    along, across = s.speed + p.wind_along, s.lateral_speed + p.wind_across
+    along, across = s.mid_speed + p.wind_along, s.mid_lateral_speed + p.wind_across
     speed = math.sqrt(along * along + across * across)
     side = -p.side_force * speed * across
     return -p.drag * speed * along, side - p.drag * speed * across, side * p.side_force_position
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def felt_share(p: Record, step: float) -> float:
-    """Share of a step's acceleration that its end shows: the accelerometer's lag counts from the middle of the step."""
-    return min(step / (p.accelerometer_lag + 0.5 * step), 1.0)
+def prepare_accelerometer(p: Record, s: Record, step: float) -> None:
+    """What a step leaves of the accelerometer's second-order low-pass, exact for an acceleration that rests over it.
+
+    x'' = w^2 (a - x) - 2 z w x' with the lag 2 z/w at low frequencies; damping from 1 on acts like 0.999.
+    """
+    damping = min(p.accelerometer_damping, 0.999)
+    if p.accelerometer_lag < _SHORTEST_LAG_S or damping <= 0.0:
+        s.felt_kept = s.felt_of_rate = s.felt_rate_of = s.felt_rate_kept = 0.0
+        return
+    frequency = 2.0 * damping / p.accelerometer_lag
+    swing = frequency * math.sqrt(1.0 - damping * damping)
+    falls = damping * frequency
+    left = math.exp(-falls * step)
+    cosine, sine = left * math.cos(swing * step), left * math.sin(swing * step) / swing
+    s.felt_kept, s.felt_of_rate = cosine + falls * sine, sine
+    s.felt_rate_of, s.felt_rate_kept = -frequency * frequency * sine, cosine - falls * sine
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def feel(s: Record, felt_x: float, felt_y: float) -> None:
+    """One step of the accelerometer under specific forces that rest over it."""
+    off_x, off_y = s.acceleration_x - felt_x, s.acceleration_y - felt_y
+    s.acceleration_x = felt_x + s.felt_kept * off_x + s.felt_of_rate * s.felt_rate_x
+    s.acceleration_y = felt_y + s.felt_kept * off_y + s.felt_of_rate * s.felt_rate_y
+    s.felt_rate_x = s.felt_rate_of * off_x + s.felt_rate_kept * s.felt_rate_x
+    s.felt_rate_y = s.felt_rate_of * off_y + s.felt_rate_kept * s.felt_rate_y
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -94,18 +146,16 @@ def move_in_plane(p: Record, s: Record, step: float) -> None:
         force_y += at_y
         moment += p.wheel_x[i] * at_y - p.wheel_y[i] * at_x + s.aligning[i]
     s.force_x, s.force_y = force_x, force_y
-    along, across, turn = force_x * p.inverse_mass, force_y * p.inverse_mass, s.yaw_rate
-    acceleration_x = along + s.lateral_speed * turn - GRAVITY * (p.grade + s.grade)
-    acceleration_y = across - s.speed * turn - GRAVITY * (p.bank + s.bank)
-    s.yaw_acceleration = (moment - p.guide_lean * s.roll_rate * s.spin_momentum) * p.inverse_yaw
-    s.speed_rate = acceleration_x
-    s.speed = max(s.speed + step * acceleration_x, 0.0)
-    s.lateral_speed += step * acceleration_y
+    along, across, turn = force_x * p.inverse_mass, force_y * p.inverse_mass, s.mid_yaw_rate
+    s.speed_rate = along + s.mid_lateral_speed * turn - GRAVITY * (p.grade + s.grade)
+    s.lateral_rate = across - s.mid_speed * turn - GRAVITY * (p.bank + s.bank)
+    s.yaw_acceleration = (moment - p.guide_lean * s.mid_roll_rate * s.spin_momentum) * p.inverse_yaw
+    before = s.speed
+    s.speed = max(before + step * s.speed_rate, 0.0)
+    s.lateral_speed += step * s.lateral_rate
     s.yaw_rate += step * s.yaw_acceleration
-    s.distance += step * s.speed
+    s.distance += 0.5 * step * (before + s.speed)
     # the accelerometer stands at its place in the body and leans with it
-    felt_x = along - GRAVITY * s.pitch - turn * turn * p.place_x - s.yaw_acceleration * p.place_y
-    felt_y = across + GRAVITY * s.roll - turn * turn * p.place_y + s.yaw_acceleration * p.place_x
-    share = felt_share(p, step)
-    s.acceleration_x += share * (felt_x - s.acceleration_x)
-    s.acceleration_y += share * (felt_y - s.acceleration_y)
+    felt_x = along - GRAVITY * s.mid_pitch - turn * turn * p.place_x - s.yaw_acceleration * p.place_y
+    felt_y = across + GRAVITY * s.mid_roll - turn * turn * p.place_y + s.yaw_acceleration * p.place_x
+    feel(s, felt_x, felt_y)

@@ -140,6 +140,7 @@ def _form_changes() -> dict[str, tuple[_Change, ...]]:
         "form_weight_arm.pitch": (_absolute("pitch_weight_arm"),),
         "form_body_inertia.roll": (_relative("roll_inertia"),),
         "form_body_inertia.pitch": (_relative("pitch_inertia"),),
+        **_each_axle("form_wheel_inertia", "spin_inertia"),
         "form_inferred_braking.front": (_absolute("inferred_front"),),
         "form_lag.accelerometer": (_absolute("accelerometer_lag", least=0.0),),
         "form_lag.gyro": (_absolute("gyro_lag"),),

@@ -2,7 +2,6 @@
 
 from numba import njit
 
-from model_diagnosis.replay.chassis_step import felt_share
 from model_diagnosis.replay.record import Record
 
 NOWHERE = -1
@@ -27,8 +26,10 @@ def disturb(p: Record, s: Record, place: int, size: float, step: float) -> None:
     else:
         wheel = place - WHEEL
         s.spin[wheel] = max(s.spin[wheel] + step * size / p.spin_inertia[wheel], 0.0)
-    felt = felt_share(p, step) * size * p.inverse_mass
+    felt = size * p.inverse_mass
     if place == FORCE_X:
-        s.acceleration_x += felt
+        s.acceleration_x += (1.0 - s.felt_kept) * felt
+        s.felt_rate_x -= s.felt_rate_of * felt
     elif place == FORCE_Y:
-        s.acceleration_y += felt
+        s.acceleration_y += (1.0 - s.felt_kept) * felt
+        s.felt_rate_y -= s.felt_rate_of * felt

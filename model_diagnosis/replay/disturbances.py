@@ -70,7 +70,7 @@ def disturbance_answers(replay: Replay, theta: FloatArray, m: int) -> dict[str, 
     -------
     equation of ``UNITS`` -> change of measured minus predicted per unit of the error's root mean square
     """
-    prepared, deviations = replay.prepared[m], replay.deviations_at(theta)
+    prepared, deviations = replay.prepared[m], replay.deviations_at(theta, m)
     found = _moved(replay, theta, m)
     if prepared.replays_pressures:
         found |= _pressure_answers(replay, deviations, prepared)
@@ -109,7 +109,7 @@ def _of_level_one(courses: list[tuple[int, FloatArray]], least: float) -> Iterat
 
 def _moved(replay: Replay, theta: FloatArray, m: int) -> dict[str, FloatArray]:
     """Answers to forces, torques and moments."""
-    prepared, deviations = replay.prepared[m], replay.deviations_at(theta)
+    prepared, deviations = replay.prepared[m], replay.deviations_at(theta, m)
     cars = replay.car.record.copy()
     change_record(cars, deviations)
     derive(cars)

@@ -47,6 +47,7 @@ _OF_VALVES = (
     "outlet_valve_conductance",
     "pump_rate",
     "low_pressure_accumulator_full",
+    "form_pump_back_pressure",
 )
 """Effects of what fluid passes only while a valve is moved, or comes from there."""
 _LEAKS = tuple(f"hydraulics.brake_leak_{wheel}" for wheel in WHEELS)

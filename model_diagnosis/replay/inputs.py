@@ -252,6 +252,7 @@ def _pitch(car: np.void, share: FloatArray, guide: str) -> float:
 def _losses(car: np.void, speed: FloatArray, radius: float) -> FloatArray:
     """Torque (n,) [N m] of all wheels together that rolling, dragging brakes and the driveline take."""
     rolling = float(np.sum(car["rolling_resistance"] * car["static_load"])) * radius
-    lost = rolling * (1.0 + car["rolling_speed"] * speed) + float(np.sum(car["drag_torque"]))
+    growth = float(car["rolling_speed"] * np.sum(car["rolling_reference"] * car["static_load"])) * radius
+    lost = rolling + growth * speed + float(np.sum(car["drag_torque"]))
     driveline: FloatArray = car["driveline_drag"] + car["driveline_viscous"] * speed / radius
     return lost + driveline

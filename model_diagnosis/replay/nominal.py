@@ -114,7 +114,8 @@ def _write_wheels(entry: np.void, vehicle: VehicleFile) -> None:
     for i, name in enumerate(WHEELS):
         wheel = getattr(vehicle.wheels, name)
         entry["radius"][i], entry["spin_inertia"][i] = wheel.radius, wheel.inertia
-        entry["rolling_resistance"][i], entry["toe"][i] = wheel.rolling_resistance, wheel.toe
+        entry["rolling_resistance"][i] = entry["rolling_reference"][i] = wheel.rolling_resistance
+        entry["toe"][i] = wheel.toe
         entry["friction"][i], entry["vertical_stiffness"][i] = wheel.friction_factor, wheel.vertical_stiffness
         entry["longitudinal_stiffness"][i] = entry["cornering_stiffness"][i] = 1.0
         entry["drive_share"][i] = shares[i]
@@ -184,6 +185,7 @@ def _write_sensors(entry: np.void, vehicle: VehicleFile) -> None:
     # delay of a second-order low-pass at low frequencies
     lag = 2.0 * inertial.damping_ratio / (2.0 * math.pi * inertial.cut_off_frequency)
     entry["accelerometer_lag"] = entry["gyro_lag"] = lag
+    entry["accelerometer_damping"] = inertial.damping_ratio
     entry["wheel_speed_lag"] = 0.5 * vehicle.sensors.wheel_speed.window
     entry["roll_scrub"] = entry["pitch_scrub"] = entry["guide_lean"] = 1.0
     entry["place_x"], entry["place_y"] = inertial.position_x, inertial.position_y

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from model_diagnosis.effects.sensor_chain import ACCELERATION_COLUMNS, PRESSURE_COLUMNS, ring_carriers
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay.deviations import RECORD_COLUMNS
-from model_diagnosis.replay.gaps import ends_of_gaps, is_beginning, least_gains
+from model_diagnosis.replay.gaps import BEGINNING, ends_of_gaps, is_beginning, least_gains
 from model_diagnosis.replay.hydraulic import HydraulicLog, read_hydraulics
 from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of, turning
 from model_diagnosis.replay.record import CORRECTED, OUTPUTS
@@ -46,6 +46,10 @@ COMPARED = (
 YAW = CORRECTED.index("yaw_rate")
 
 _LONGITUDINAL = ("longitudinal_acceleration", "speed")
+_OF_THE_BODY = ("roll_rate", "pitch_rate", "roll_angle", "pitch_angle")
+SETTLING_BODY = 80
+"""Samples after which a body has forgotten how it swung when the log began: about a period of its pitch."""
+
 _LATERAL = ("lateral_acceleration", "yaw_rate", "lateral_speed", "side_slip_angle", "roll_rate", "roll_angle")
 
 
@@ -193,6 +197,7 @@ def _weights(manoeuvre: Manoeuvre, signals: tuple[str, ...], inputs: Inputs, veh
     weights = np.zeros((manoeuvre.samples, len(signals)))
     for k, name in enumerate(signals):
         weights[:, k] = manoeuvre.weight(name) * counts
+        weights[: SETTLING_BODY if name in _OF_THE_BODY else BEGINNING, k] = 0.0
         if name in _LONGITUDINAL:
             weights[inputs.inferred | inputs.forced, k] = 0.0
         if name.startswith("wheel_speed_"):

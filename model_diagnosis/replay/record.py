@@ -72,6 +72,7 @@ _NUMBERS = (
     "ackermann",
     # sensors
     "accelerometer_lag",
+    "accelerometer_damping",  # damping ratio of the sensor's second-order low-pass
     "gyro_lag",
     "speed_lag",
     "wheel_speed_lag",
@@ -91,6 +92,7 @@ _WHEELS = (
     "spin_inertia",
     "radius",
     "rolling_resistance",
+    "rolling_reference",  # of the vehicle file, to which its rise by speed refers
     "toe",
     "friction",
     "longitudinal_stiffness",

@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.effects.conditions import Condition, conditions_of, own_parameter
 from model_diagnosis.effects.effect import Application, Effect, EffectParameter
 from model_diagnosis.effects.form import REPLAYED
 from model_diagnosis.effects.sensor_chain import measured_signals, sensor_columns, true_inputs
@@ -83,10 +84,13 @@ class Replay:
         Those that the replay carries as columns; effects of clock, CAN and controller are left out.
     threads : int, optional
         For sweeps; the machine's processors if left out.
+    conditions : bool
+        True where road and wind of each manoeuvre are columns too, behind all others. Without them what another
+        replay's theta has behind the catalogue's columns is passed over.
 
     Attributes
     ----------
-    columns : (p) names ``<effect>.<parameter>``
+    columns : (p) names ``<effect>.<parameter>``, then those of single manoeuvres
     parameters : (p) of the columns, bounds and scatter as for this vehicle
     owner : (p,) index into ``effects``
     prepared : what stays the same of each manoeuvre
@@ -106,21 +110,30 @@ class Replay:
         effects: Sequence[Effect] = REPLAYED,
         *,
         threads: int | None = None,
+        conditions: bool = False,
     ) -> None:
         self.vehicle = vehicle
         self.manoeuvres = tuple(manoeuvres)
         self.effects = tuple(effect for effect in effects if effect.application in _REPLAYED)
-        self.columns = tuple(column for effect in self.effects for column in effect.columns)
-        self.owner = np.array(
-            [index for index, effect in enumerate(self.effects) for _ in effect.parameters], dtype=np.int64
-        )
+        everywhere = tuple(column for effect in self.effects for column in effect.columns)
+        self._place = {column: index for index, column in enumerate(everywhere)}
+        owner = [index for index, effect in enumerate(self.effects) for _ in effect.parameters]
         self._values = values_of(vehicle)
-        self.parameters: tuple[EffectParameter, ...] = tuple(
+        parameters = [
             adjusted_parameter(parameter, self._values, vehicle.scatter)
             for effect in self.effects
             for parameter in effect.parameters
+        ]
+        self._everywhere = len(everywhere)
+        self._conditions = conditions_of(everywhere, len(manoeuvres)) if conditions else ()
+        places = [self._place[one.column] for one in self._conditions]
+        self.columns = (*everywhere, *(one.name for one in self._conditions))
+        self.owner = np.array([*owner, *(owner[place] for place in places)], dtype=np.int64)
+        self.parameters: tuple[EffectParameter, ...] = (
+            *parameters,
+            *(own_parameter(parameters[place], one) for place, one in zip(places, self._conditions, strict=True)),
         )
-        self._place = {column: index for index, column in enumerate(self.columns)}
+        self._place |= {one.name: self._everywhere + k for k, one in enumerate(self._conditions)}
         self._threads = threads or os.cpu_count() or 1
         self.car: NominalCar = nominal_car(vehicle)
         self.pressures = WheelPressures(vehicle)
@@ -155,7 +168,7 @@ class Replay:
         return reference_speed(self.manoeuvres[m], self.vehicle) >= SLOWEST_M_S
 
     def car_at(self, theta: FloatArray) -> np.void:
-        """Numbers of the car (``REPLAY_RECORD``) at deviations theta."""
+        """Numbers of the car (``REPLAY_RECORD``) at deviations theta, those of single manoeuvres left out."""
         entry: np.void = self._record_at(self.deviations_at(theta))[0]
         return entry
 
@@ -170,7 +183,7 @@ class Replay:
 
     def predict(self, theta: FloatArray, m: int) -> FloatArray:
         """Observer replay (n, c): each sample predicted from those before it, with the same gains for every theta."""
-        prepared, deviations, known = self.prepared[m], self.deviations_at(theta), self._known[m]
+        prepared, deviations, known = self.prepared[m], self.deviations_at(theta, m), self._known[m]
         parts = self._parts(deviations, prepared, self.gains, known=tuple(known))
         known.append(parts)
         return self._reported(deviations, prepared, parts)
@@ -178,14 +191,14 @@ class Replay:
     def free_run(self, theta: FloatArray, m: int, horizon_s: float | None = None) -> FloatArray:
         """Free run (n, c); with ``horizon_s`` it restarts so often at the measured wheel speeds, speed and yaw rate."""
         horizon = 0 if horizon_s is None else max(round(horizon_s / SAMPLE_TIME_S), 1)
-        prepared, deviations = self.prepared[m], self.deviations_at(theta)
+        prepared, deviations = self.prepared[m], self.deviations_at(theta, m)
         return self._reported(deviations, prepared, self._parts(deviations, prepared, _FREE, horizon))
 
     def states(self, theta: FloatArray, m: int) -> dict[str, FloatArray]:
         """States of the observer replay over which residuals are looked at, name -> (n,): speed, slips, loads, …"""
         prepared = self.prepared[m]
         chosen = np.array([OUTPUTS.index(name) for name in SHOWN_STATES])
-        deviations = self.deviations_at(theta)
+        deviations = self.deviations_at(theta, m)
         pressures = self.pressures.at(deviations, prepared)
         values = self.car_outputs(deviations, prepared, pressures, self.gains, 0, chosen)
         return {name: values[:, k] for k, name in enumerate(SHOWN_STATES)}
@@ -210,9 +223,8 @@ class Replay:
         """
         chosen = list(range(len(self.columns))) if columns is None else [int(column) for column in columns]
         with ThreadPoolExecutor(self._threads) as pool:
-            return [
-                self._sweep(np.asarray(theta, dtype=np.float64), prepared, chosen, pool) for prepared in self.prepared
-            ]
+            at = np.asarray(theta, dtype=np.float64)
+            return [self._sweep(at, m, chosen, pool) for m in range(len(self.prepared))]
 
     def corrections(self, m: int) -> FloatArray:
         """(c, 1) change of the observer's speed by one unit of each compared signal's residual."""
@@ -250,9 +262,21 @@ class Replay:
             return self._place[column]
         return int(column)
 
-    def deviations_at(self, theta: FloatArray) -> dict[str, float]:
-        """Deviations that are not 0, by column."""
-        return {self.columns[int(k)]: float(theta[k]) for k in np.flatnonzero(theta)}
+    def deviations_at(self, theta: FloatArray, m: int | None = None) -> dict[str, float]:
+        """Deviations that are not 0, by column of the catalogue; ``m`` with those that hold in that manoeuvre only."""
+        held = np.array(theta[: self._everywhere], dtype=np.float64)
+        if m is not None and len(theta) == len(self.columns):
+            for one, deviation in zip(self._conditions, theta[self._everywhere :], strict=True):
+                if one.manoeuvre == m:
+                    held[self._place[one.column]] += deviation
+        return {self.columns[int(k)]: float(held[k]) for k in np.flatnonzero(held)}
+
+    def _acts_as(self, column: int, m: int) -> str | None:
+        """Column of the catalogue that a column acts as in manoeuvre ``m``; None where it does not act there."""
+        if column < self._everywhere:
+            return self.columns[column]
+        one: Condition = self._conditions[column - self._everywhere]
+        return one.column if one.manoeuvre == m else None
 
     def inputs_at(
         self, deviations: Mapping[str, float], prepared: Prepared, pressures: FloatArray | None
@@ -329,11 +353,9 @@ class Replay:
         step = (_COARSE_STEP_SHARE if jumps else _STEP_SHARE) * parameter.effect_std
         return step if theta[column] + step <= parameter.high else -step
 
-    def _sweep(
-        self, theta: FloatArray, prepared: Prepared, columns: Sequence[int], pool: ThreadPoolExecutor
-    ) -> FloatArray:
-        """Derivatives (n, c, len(columns)) of one manoeuvre."""
-        deviations = self.deviations_at(theta)
+    def _sweep(self, theta: FloatArray, m: int, columns: Sequence[int], pool: ThreadPoolExecutor) -> FloatArray:
+        """Derivatives (n, c, len(columns)) of manoeuvre ``m``."""
+        prepared, deviations = self.prepared[m], self.deviations_at(theta, m)
         base = self._parts(deviations, prepared, self.gains)
         reported, count = self._reported(deviations, prepared, base), len(prepared.chosen)
         analytic = sensor_columns(deviations, prepared.signals[:count], base.car, prepared.carriers)
@@ -342,14 +364,14 @@ class Replay:
 
         def derive_column(place: int) -> None:
             column = columns[place]
-            name = self.columns[column]
-            if at_rest and acts_by_valves(name):
+            name = self._acts_as(column, m)
+            if name is None or (at_rest and acts_by_valves(name)):
                 return
             if name in analytic and not prepared.drives(name) and not name.startswith(_OBSERVED_SENSORS):
                 result[:, :count, place] = analytic[name]
                 return
             step = self._step_of(theta, column)
-            changed = {**deviations, name: float(theta[column]) + step}
+            changed = {**deviations, name: deviations.get(name, 0.0) + step}
             moved = self._reported(changed, prepared, self._parts(changed, prepared, self.gains, known=(base,)))
             result[:, :, place] = (moved - reported) / step
 

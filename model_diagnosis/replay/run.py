@@ -5,7 +5,13 @@ from numba import njit
 from numpy.typing import NDArray
 
 from model_diagnosis.replay.brake_step import count_stop_energy
-from model_diagnosis.replay.chassis_step import move_body, move_in_plane
+from model_diagnosis.replay.chassis_step import (
+    load_wheels,
+    look_ahead,
+    move_body,
+    move_in_plane,
+    prepare_accelerometer,
+)
 from model_diagnosis.replay.disturb_step import NOWHERE, disturb
 from model_diagnosis.replay.record import (
     CELLS,
@@ -32,13 +38,16 @@ _SPEED, _YAW_RATE, _ROLL_RATE = OUTPUTS.index("speed"), OUTPUTS.index("yaw_rate"
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def move_car(p: Record, s: Record, step: float) -> None:
-    move_body(p, s, step)
+    """One step of the car: forces in its middle, then the motion at its end."""
+    look_ahead(s, step)
+    load_wheels(p, s, step)
     steer_wheels(p, s, step)
     for i in range(4):
         move_wheel(p, s, i, step)
     if p.in_stop_rise != 0.0:
         count_stop_energy(s, step)
     move_in_plane(p, s, step)
+    move_body(p, s, step)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -136,6 +145,7 @@ def correct_states(
 @njit(cache=True, nogil=True, error_model="numpy")
 def settle(p: Record, s: Record, start: NDArray[np.float64], step: float) -> None:
     """Settle at the first sample's inputs, speed and yaw rate."""
+    prepare_accelerometer(p, s, step)
     for i in range(4):
         s.spin[i] = start[0] / p.radius[i]
         s.disc_temperature[i] = p.start_temperature[i]

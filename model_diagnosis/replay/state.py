@@ -17,20 +17,41 @@ _BODY = (
     "speed",
     "speed_rate",
     "lateral_speed",
+    "lateral_rate",
     "yaw_rate",
     "yaw_acceleration",
     "heave",
     "heave_rate",
+    "heave_acceleration",
     "pitch",  # nose down positive
     "pitch_rate",
     "pitch_acceleration",
     "roll",  # left side up positive
     "roll_rate",
     "roll_acceleration",
+    # in the middle of this step
+    "mid_speed",
+    "mid_lateral_speed",
+    "mid_yaw_rate",
+    "mid_pitch",
+    "mid_pitch_rate",
+    "mid_roll",
+    "mid_roll_rate",
+    # force and moments of springs, dampers and links on the body in this step
+    "spring_up",
+    "spring_nose_down",
+    "spring_left_up",
     "distance",
     "stop_energy",
     "acceleration_x",  # specific force as the accelerometer reports it
     "acceleration_y",
+    "felt_rate_x",  # and its rate within the sensor
+    "felt_rate_y",
+    # what a step leaves of the sensor's distance from the truth and of its rate
+    "felt_kept",
+    "felt_of_rate",
+    "felt_rate_of",
+    "felt_rate_kept",
     "force_x",  # of tyres and air, body axes
     "force_y",
     "spin_momentum",  # of all wheels about their axes

@@ -9,6 +9,7 @@ import math
 from numba import njit
 
 from model_diagnosis.replay.brake_step import brake_capacity
+from model_diagnosis.replay.lag_step import followed
 from model_diagnosis.replay.record import Record
 from model_diagnosis.replay.tyre_step import load_share, road_friction, tyre_forces
 
@@ -33,9 +34,11 @@ def steer_wheels(p: Record, s: Record, step: float) -> None:
             full = math.atan2(tangent, 1.0 + side * tangent * p.track_front / (2.0 * p.wheelbase))
             wanted += p.ackermann * (full - angle)
         # the linkage holds the tyre's moment and turns the spinning wheel with the body's roll
-        wanted += (s.aligning[i] - p.guide_lean * s.roll_rate * p.spin_inertia[i] * s.spin[i]) / p.steering_stiffness
-        actual = (p.steering_lag * s.angle[i] + step * wanted) / (p.steering_lag + step)
-        s.angle[i], s.sine[i], s.cosine[i] = actual, math.sin(actual), math.cos(actual)
+        turned = p.guide_lean * s.mid_roll_rate * p.spin_inertia[i] * s.spin[i]
+        wanted += (s.aligning[i] - turned) / p.steering_stiffness
+        share = step / (2.0 * p.steering_lag + step)
+        mean = s.angle[i] + share * (wanted - s.angle[i])
+        s.angle[i], s.sine[i], s.cosine[i] = followed(s.angle[i], wanted, 0.0, share), math.sin(mean), math.cos(mean)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -65,17 +68,17 @@ def move_wheel(
 ) -> None:
     """One step of a wheel: its tyre forces and its spin."""
     load = max(s.load[i], _LIGHTEST_N)
-    turn, omega = s.yaw_rate, s.spin[i]
+    turn, omega = s.mid_yaw_rate, s.spin[i]
     # body's turning carries the contact along, and so does the wheel's travel on its leaning guide
     rate = s.travel_rate[i]
     at_x = (
-        s.speed
+        s.mid_speed
         - turn * p.wheel_y[i]
-        - p.pitch_scrub * p.height * s.pitch_rate
-        + (p.guide_lean * s.pitch - p.guide_brake[i]) * rate
+        - p.pitch_scrub * p.height * s.mid_pitch_rate
+        + (p.guide_lean * s.mid_pitch - p.guide_brake[i]) * rate
     )
-    at_y = s.lateral_speed + turn * p.wheel_x[i] + p.roll_scrub * p.height * s.roll_rate
-    at_y -= (p.guide_lean * s.roll + p.guide_side[i]) * rate
+    at_y = s.mid_lateral_speed + turn * p.wheel_x[i] + p.roll_scrub * p.height * s.mid_roll_rate
+    at_y -= (p.guide_lean * s.mid_roll + p.guide_side[i]) * rate
     sine, cosine = s.sine[i], s.cosine[i]
     v_x, v_y = cosine * at_x + sine * at_y, cosine * at_y - sine * at_x
     radius = p.radius[i] - p.radius_load * (load - p.static_load[i]) + p.radius_speed * v_x * v_x
@@ -121,8 +124,8 @@ def move_wheel(
     mean_y = s.lagged_force_y[i] + force_share_y * (force_y - s.lagged_force_y[i])
     slope *= force_share_x
     change, mean_x = _spin(p, s, i, step, load, radius, mean_x, slope)
-    s.lagged_x[i] = _followed(s.lagged_x[i], now_x, slip_slope * change, share_of_x)
-    s.lagged_y[i] = _followed(s.lagged_y[i], now_y, 0.0, share_of_y)
+    s.lagged_x[i] = followed(s.lagged_x[i], now_x, slip_slope * change, share_of_x)
+    s.lagged_y[i] = followed(s.lagged_y[i], now_y, 0.0, share_of_y)
     s.lagged_force_x[i] = _behind(s.lagged_force_x[i], mean_x, force_share_x)
     s.lagged_force_y[i] = _behind(s.lagged_force_y[i], mean_y, force_share_y)
     s.tyre_x[i], s.tyre_y[i] = mean_x, mean_y
@@ -130,12 +133,6 @@ def move_wheel(
     if p.heat_fade != 0.0:
         heat = abs(mean_x * slide_x) + abs(mean_y * v_y)
         s.tyre_heat[i] += step * (0.5 * heat / _TREAD_HEAT_J_K - s.tyre_heat[i] * _TREAD_COOLING_1_S)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _followed(lagged: float, target: float, change: float, share: float) -> float:
-    """Lagged value after a step in which its target changes; ``share`` of the way is made in the step's mean."""
-    return lagged + min(2.0 * share, 1.0) * (target + max(share, 0.5) * change - lagged)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -158,8 +155,8 @@ def _spin(
     """One step of a wheel's spin: its change, and the mean tyre force over it."""
     omega, speed = s.spin[i], s.speed
     brake = brake_capacity(p, s, i, s.pressure[i], step)
-    share = 1.0 + p.rolling_speed * speed
-    capacity = brake + p.rolling_resistance[i] * share * load * radius
+    rolling = p.rolling_resistance[i] + p.rolling_speed * speed * p.rolling_reference[i]
+    capacity = brake + max(rolling, 0.0) * load * radius
     inertia = p.spin_inertia[i]
     s.drive_torque[i] = drive_torque(p, s, i)
     torque = s.drive_torque[i] - force_x * radius

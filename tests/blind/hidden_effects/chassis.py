@@ -84,7 +84,14 @@ def wheel_loads(car: Any, state: FloatArray, force_x: FloatArray, force_y: Float
 
 @njit(cache=True)
 def derivatives(
-    car: Any, state: FloatArray, force_x: FloatArray, force_y: FloatArray, moment: float, rate: FloatArray
+    car: Any,
+    state: FloatArray,
+    force_x: FloatArray,
+    force_y: FloatArray,
+    moment: float,
+    about_wheels: float,
+    spin_momentum: float,
+    rate: FloatArray,
 ) -> tuple[float, float]:
     """Time derivatives of the body's states into ``rate`` (7,).
 
@@ -94,6 +101,11 @@ def derivatives(
         Tyre forces in the car's axes.
     moment : N m
         Yaw moment beside that of the tyre forces at the wheels' centres: the tyres' aligning moments.
+    about_wheels : N m
+        Moment about the wheels' axes that is left for the body: what the road's rolling resistance does to the wheels,
+        less what changes their spin. What brakes and drive do to wheels and body cancels.
+    spin_momentum : kg m^2/s
+        Of all wheels about their axes, which the yawing car turns.
 
     Returns
     -------
@@ -117,10 +129,10 @@ def derivatives(
     stiffness, damping = pitch_rates(car)
     weight_moment = car.mass * GRAVITY_M_S2 * car.cg_height
     links = link_load(car, force_x)
-    pitch = -car.cg_height * sum_x - stiffness * state[PITCH] - damping * state[PITCH_RATE]
+    pitch = about_wheels - car.cg_height * sum_x - stiffness * state[PITCH] - damping * state[PITCH_RATE]
     rate[PITCH] = state[PITCH_RATE]
     rate[PITCH_RATE] = (pitch + weight_moment * state[PITCH] - car.wheelbase * links) / pitch_inertia
-    roll = car.cg_height * sum_y + weight_moment * state[ROLL]
+    roll = car.cg_height * sum_y + weight_moment * state[ROLL] + state[YAW_RATE] * spin_momentum
     for axle in range(2):
         k, c = roll_rates(car, axle)
         roll -= k * state[ROLL] + c * state[ROLL_RATE]

@@ -11,6 +11,9 @@ from hidden_effects.simulator import STEP_S, Drive
 
 FloatArray = NDArray[np.float64]
 
+FADE_OUT_S = 0.3
+"""Time in which a driver brings the wheel back from a sweep."""
+
 
 @dataclass(frozen=True)
 class Script:
@@ -57,12 +60,13 @@ def ramps(*points: tuple[float, float]) -> Callable[[FloatArray], FloatArray]:
 def sweep(
     amplitude: float, low_hz: float, high_hz: float, begin: float, end: float
 ) -> Callable[[FloatArray], FloatArray]:
-    """Sine whose frequency rises linearly from ``begin`` to ``end`` [s]."""
+    """Sine whose frequency rises linearly from ``begin`` to ``end`` [s]; it fades out, as no hand jumps."""
 
     def value(time: FloatArray) -> FloatArray:
         t = np.clip(time - begin, 0.0, end - begin)
         phase = 2.0 * np.pi * (low_hz * t + 0.5 * (high_hz - low_hz) * t * t / (end - begin))
-        result: FloatArray = np.where((time > begin) & (time < end), amplitude * np.sin(phase), 0.0)
+        left: FloatArray = np.clip((end - time) / FADE_OUT_S, 0.0, 1.0)
+        result: FloatArray = np.where(time > begin, amplitude * left * np.sin(phase), 0.0)
         return result
 
     return value

@@ -54,7 +54,7 @@ MEMORY = np.dtype(
         *((name, "f8", (4,)) for name in ("disc", "tread", "inlet", "outlet", "rim", "rim_before", "rim_rate")),
         *((name, "i8", (4,)) for name in ("phase", "timer")),
         *((name, "f8") for name in ("reference", "master", "delta", "distance", "stop_energy", "work", "pump")),
-        ("aligning", "f8"),
+        *((name, "f8") for name in ("aligning", "about_wheels", "spin_momentum")),
         ("volumes", "f8", (2,)),
     ]
 )
@@ -267,7 +267,10 @@ def _wheel(car: Any, s: Any, i: int, acting: float, drive_torque: float, cosine:
     s.omega[i], friction = _spin(car.wheel_inertia[i], before, net, s.torque[i] + rolling, STEP_S)
     mean = 0.5 * (before + s.omega[i])
     s.turned[i] += mean * STEP_S
-    power = abs(friction) * s.torque[i] / max(s.torque[i] + rolling, 1e-9) * abs(mean)
+    by_brake = s.torque[i] / max(s.torque[i] + rolling, 1e-9)
+    power = abs(friction) * by_brake * abs(mean)
+    s.about_wheels += friction * (1.0 - by_brake) - car.wheel_inertia[i] * (s.omega[i] - before) / STEP_S
+    s.spin_momentum += car.wheel_inertia[i] * s.omega[i]
     s.disc[i] = brakes.disc_temperature(car, s.disc[i], power, mean, STEP_S)
     s.stop_energy += power * STEP_S
     s.work += STEP_S * mean * (net + friction)
@@ -357,11 +360,13 @@ def _run(
         _pressures(car, s, cycles, n * STEP_S)
         _steer(car, s, steering_wheel[n])
         chassis.wheel_loads(car, s.body, s.car_x, s.car_y, s.load)
-        s.aligning = 0.0
+        s.aligning = s.about_wheels = s.spin_momentum = 0.0
         for i in range(4):
             acting = given[row, _PRESSURE + i] if replay else s.pressure[i]
             _wheel(car, s, i, acting, drive_torque[n], math.cos(s.delta), math.sin(s.delta))
-        along, across = chassis.derivatives(car, s.body, s.car_x, s.car_y, s.aligning, s.rate)
+        along, across = chassis.derivatives(
+            car, s.body, s.car_x, s.car_y, s.aligning, s.about_wheels, s.spin_momentum, s.rate
+        )
         if n % RECORD_EVERY == 0:
             _write(car, s, along, across, out[row])
         _move(car, s, n == 0)
