@@ -24,6 +24,16 @@ REFERENCE_STOP_J = 5e5
 
 
 @njit(cache=True)
+def stiffness_of(car: Any, i: int, pressure: float) -> float:
+    """Pressure per volume [Pa/m^3] of brake ``i``: of caliper and hoses, softer by a polytropic bubble of air."""
+    stiffness = car.caliper_stiffness[i // 2]
+    absolute = AIR_PRESSURE_PA + max(pressure, 0.0)
+    bubble = stiffness * car.air_volume[i] * AIR_PRESSURE_PA ** (1.0 / POLYTROPIC)
+    soft: float = stiffness / (1.0 + bubble / (POLYTROPIC * absolute ** (1.0 / POLYTROPIC + 1.0)))
+    return soft
+
+
+@njit(cache=True)
 def wheel_pressure(
     car: Any, i: int, pressure: float, supply: float, low: float, inlet: float, outlet: float, step: float
 ) -> float:
@@ -34,10 +44,7 @@ def wheel_pressure(
     rate -= stiffness * car.brake_leak[i] * pressure
     if pressure > supply:
         rate -= (pressure - supply) / RETURN_TIME_S
-    absolute = AIR_PRESSURE_PA + max(pressure, 0.0)
-    bubble = stiffness * car.air_volume[i] * AIR_PRESSURE_PA ** (1.0 / POLYTROPIC)
-    softer = 1.0 + bubble / (POLYTROPIC * absolute ** (1.0 / POLYTROPIC + 1.0))
-    return max(pressure + step * rate / softer, 0.0)
+    return max(pressure + step * rate * stiffness_of(car, i, pressure) / stiffness, 0.0)
 
 
 @njit(cache=True)
@@ -91,9 +98,18 @@ def disc_temperature(car: Any, disc: float, power: float, spin: float, step: flo
 
 
 @njit(cache=True)
-def accumulate(car: Any, volumes: NDArray[np.float64], released: NDArray[np.float64], pump: bool, step: float) -> None:
-    """Fluid in the two diagonal circuits' accumulators after a step; ``released`` [m^3] per wheel."""
+def released(car: Any, i: int, volumes: NDArray[np.float64], circuit: int, before: float, wanted: float) -> float:
+    """Pressure [Pa] of wheel ``i`` whose fluid goes into its circuit's accumulator: no more leaves than has room."""
+    stiffness = stiffness_of(car, i, before)
+    room = car.accumulator_volume - volumes[circuit]
+    taken = min(max(before - wanted, 0.0) / stiffness, max(room, 0.0))
+    volumes[circuit] += taken
+    return max(wanted, before - taken * stiffness)
+
+
+@njit(cache=True)
+def pump_back(car: Any, volumes: NDArray[np.float64], pump: bool, step: float) -> None:
+    """The running pump empties the two circuits' accumulators [m^3]."""
     for circuit in range(2):
-        taken = released[circuit] + released[3 - circuit]
         pumped = step * car.pump_flow * car.pump_rate if pump else 0.0
-        volumes[circuit] = min(max(volumes[circuit] + taken - pumped, 0.0), car.accumulator_volume)
+        volumes[circuit] = max(volumes[circuit] - pumped, 0.0)

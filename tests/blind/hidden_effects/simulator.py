@@ -50,7 +50,7 @@ MEMORY = np.dtype(
     [
         *((name, "f8", (chassis.STATES,)) for name in ("body", "rate", "last_rate")),
         *((name, "f8", (4,)) for name in ("omega", "turned", "force_x", "force_y", "load", "car_x", "car_y")),
-        *((name, "f8", (4,)) for name in ("pressure", "piston", "torque", "opening_in", "opening_out", "released")),
+        *((name, "f8", (4,)) for name in ("pressure", "piston", "torque", "opening_in", "opening_out")),
         *((name, "f8", (4,)) for name in ("disc", "tread", "inlet", "outlet", "rim", "rim_before", "rim_rate")),
         *((name, "i8", (4,)) for name in ("phase", "timer")),
         *((name, "f8") for name in ("reference", "master", "delta", "distance", "stop_energy", "work", "pump")),
@@ -181,13 +181,11 @@ def _pressures(car: Any, s: Any, cycles: FloatArray, time: float) -> None:
         circuit = 0 if i in (0, 3) else 1
         before = s.pressure[i]
         low = 0.2 * brakes.FULL_ACCUMULATOR_PA * s.volumes[circuit] / ACCUMULATOR_M3
-        if s.volumes[circuit] >= car.accumulator_volume:
-            low = before  # a full accumulator takes no more fluid
         supply = s.master * (1.0 - car.circuit_loss[circuit])
         s.pressure[i] = brakes.wheel_pressure(car, i, before, supply, low, s.opening_in[i], s.opening_out[i], STEP_S)
-        falling = max(before - s.pressure[i], 0.0) if s.opening_out[i] > 0.1 else 0.0
-        s.released[i] = falling / car.caliper_stiffness[i // 2]
-    brakes.accumulate(car, s.volumes, s.released, s.pump > 0.5, STEP_S)
+        if s.opening_out[i] > 0.1:
+            s.pressure[i] = brakes.released(car, i, s.volumes, circuit, before, s.pressure[i])
+    brakes.pump_back(car, s.volumes, s.pump > 0.5, STEP_S)
 
 
 @njit(cache=True)
