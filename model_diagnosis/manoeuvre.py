@@ -1,7 +1,7 @@
 """One manoeuvre of measured data as the diagnosis sees it: equal steps, SI units, a weight for each sample."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,8 @@ class Manoeuvre:
     start_s : the log's own time of the first sample [s], from the drive's begin
     reading_faults : what was wrong with the samples before they were put on this time base
     drive : logs of the drive that it was cut from; manoeuvres of one drive follow each other in time
+    phases : catalogue name -> how far behind its instant of ``time`` each sample of a channel was taken [s], up to half
+        a step to either side; 0 where it is not named
     """
 
     name: str
@@ -38,6 +40,7 @@ class Manoeuvre:
     start_s: float = 0.0
     reading_faults: tuple[DataFault, ...] = ()
     drive: str = ""
+    phases: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def samples(self) -> int:
@@ -52,3 +55,13 @@ class Manoeuvre:
     def weight(self, channel: str) -> FloatArray:
         """Weights (n,) of a channel; zeros where the channel is missing altogether."""
         return self.weights.get(channel, np.zeros(self.samples))
+
+    def on_one_raster(self) -> "Manoeuvre":
+        """The same with every channel at the instants of ``time``, by straight lines between its samples."""
+        if not self.phases:
+            return self
+        moved = {
+            name: np.interp(self.time, self.time + self.phases[name], values) if name in self.phases else values
+            for name, values in self.channels.items()
+        }
+        return replace(self, channels=moved, phases={})

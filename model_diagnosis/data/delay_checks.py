@@ -91,10 +91,11 @@ def lag_relations(
 def _own_relations(manoeuvres: Sequence[Manoeuvre], replayed: Sequence[Manoeuvre]) -> list[LagRelation]:
     """Lags of channels against their own replay, which answers the measured pressures and steering without delay."""
     found = []
+    measured, answers = ([one.on_one_raster() for one in many] for many in (manoeuvres, replayed))
     for group, early in _ANSWERS:
         pairs = [
             (one, other, members(group, list(one.channels)))
-            for one, other in zip(manoeuvres, replayed, strict=True)
+            for one, other in zip(measured, answers, strict=True)
             if members(early, list(one.channels)) and members(group, list(one.channels))
         ]
         if not pairs:

@@ -1,6 +1,7 @@
 """Samples of any rate on the common time base, with a weight that says which of them are measurements."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -20,6 +21,63 @@ _STEADY_SPREAD = 0.2
 _STEADY_SAMPLES = 51
 _EARLY_SHARE = 0.2
 """Share of a cyclic sender's period by which a command may be stamped late and still hold at a sample."""
+
+
+_SAME_PERIOD = 0.02
+"""Share by which a cyclic sender's period may differ from whole steps of the time base for its samples to be kept."""
+
+_LONGEST_STEPS = 10
+_SAME_PHASE_S = 2e-4
+_STEADY_PHASE_S = 5e-4
+"""Largest difference of a sample's phase from the others' in a manoeuvre."""
+
+
+@dataclass(frozen=True)
+class OwnSamples:
+    """A cyclic channel as its sender took it, not laid on the time base.
+
+    Attributes
+    ----------
+    values, weights : (n,) each sample at the instant of the time base that is nearest to it
+    offsets : (n,) how far behind that instant it was taken [s]; nan where there is none
+    """
+
+    values: FloatArray
+    weights: FloatArray
+    offsets: FloatArray
+
+    def phase(self, begin: int, end: int) -> float | None:
+        """Phase of its samples in a stretch [s]; None where they have no steady one, or that of the time base."""
+        offsets = self.offsets[begin:end]
+        offsets = offsets[np.isfinite(offsets)]
+        if not len(offsets):
+            return None
+        middle = float(np.median(offsets))
+        steady = float(np.max(np.abs(offsets - middle))) < _STEADY_PHASE_S and abs(middle) <= 0.5 * SAMPLE_TIME_S
+        return middle if steady and abs(middle) > _SAME_PHASE_S else None
+
+
+def _own_samples(stamps: FloatArray, numbers: FloatArray, time: FloatArray, *, held: bool) -> OwnSamples | None:
+    """Samples of a channel whose period is one or several steps of the time base; None for any other.
+
+    Between them, and where frames were lost, the values go in straight lines, without weight; commands are held.
+    """
+    period = float(np.median(np.diff(stamps)))
+    steps = round(period / SAMPLE_TIME_S)
+    if not 1 <= steps <= _LONGEST_STEPS or abs(period / (steps * SAMPLE_TIME_S) - 1.0) > _SAME_PERIOD:
+        return None
+    rows = np.round((stamps - time[0]) / SAMPLE_TIME_S).astype(np.int64)
+    inside = (rows >= 0) & (rows < len(time))
+    if not inside.any() or np.any(np.diff(rows) <= 0):
+        return None
+    offsets = np.full(len(time), np.nan)
+    offsets[rows[inside]] = stamps[inside] - time[rows[inside]]
+    if held:
+        last = np.clip(np.searchsorted(rows, np.arange(len(time)), side="right") - 1, 0, len(rows) - 1)
+        return OwnSamples(numbers[last], np.ones(len(time)), offsets)
+    values = np.interp(time + float(np.nanmedian(offsets)), stamps, numbers)
+    values[rows[inside]] = numbers[inside]
+    return OwnSamples(values, np.isfinite(offsets).astype(np.float64), offsets)
 
 
 def on_grid(
@@ -44,6 +102,7 @@ def on_grid(
     if not usable:
         raise InputError("no channel of the map holds two numbers")
     begin, end = _shared_time(usable)
+    begin += _most_common_phase(usable, begin)
     time: FloatArray = begin + SAMPLE_TIME_S * np.arange(
         int((end - begin) / SAMPLE_TIME_S + 1e-6) + 1, dtype=np.float64
     )
@@ -55,6 +114,31 @@ def on_grid(
         values[name] = _values(name, stamps, numbers, time)
         weights[name] = _weights(stamps, channel.period_s(), time, stepped=is_stepped(name))
     return time, values, weights
+
+
+def own_samples(channels: Mapping[str, Samples], time: FloatArray) -> dict[str, OwnSamples]:
+    """Own samples of the cyclic channels among ``channels`` on a time base (n,), by name."""
+    found = {}
+    for name, channel in channels.items():
+        stamps, numbers = fresh_values(channel)
+        if len(stamps) > 1:
+            kept = _own_samples(steady_stamps(stamps), numbers, time, held=is_stepped(name))
+            if kept is not None:
+                found[name] = kept
+    return found
+
+
+def _most_common_phase(channels: Mapping[str, Samples], begin: float) -> float:
+    """How far behind ``begin`` [s] most channels of the time base's own rate are taken, as a table's all are."""
+    phases = []
+    for name, channel in channels.items():
+        stamps = steady_stamps(fresh_values(channel)[0])
+        if not is_stepped(name) and abs(float(np.median(np.diff(stamps))) / SAMPLE_TIME_S - 1.0) <= _SAME_PERIOD:
+            phases.append(float(np.median((stamps - begin) % SAMPLE_TIME_S)))
+    if not phases:
+        return 0.0
+    apart = np.abs((np.subtract.outer(phases, phases) + 0.5 * SAMPLE_TIME_S) % SAMPLE_TIME_S - 0.5 * SAMPLE_TIME_S)
+    return phases[int(np.argmax(np.sum(apart < _SAME_PHASE_S, axis=1)))]
 
 
 def _shared_time(channels: Mapping[str, Samples]) -> tuple[float, float]:

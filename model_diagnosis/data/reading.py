@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from model_diagnosis.data.drives import Drive, begin_s, duration_s, join_loggers, split_at_pauses
-from model_diagnosis.data.grid import on_grid
+from model_diagnosis.data.grid import on_grid, own_samples
 from model_diagnosis.data.lost_frames import mask_lost_frames
 from model_diagnosis.data.sample_timing import check_cut_frames, check_timing
 from model_diagnosis.data.sample_values import VALUE_CHECKS, check_resting_pressures, is_motion
@@ -99,20 +99,28 @@ def _manoeuvres(drive: Drive, vehicle: VehicleFile, origin_s: float) -> list[Man
     radii = {wheel: float(getattr(vehicle.wheels, wheel).radius) for wheel in WHEELS}
     origins = {name: drive.channels[name].origin for name in values}
     stretches = cut(values, weights, radii)
-    return [
-        Manoeuvre(
-            name=drive.name if len(stretches) == 1 else f"{drive.name} {time[begin] - time[0]:.1f} s",
-            time=SAMPLE_TIME_S * np.arange(end - begin, dtype=np.float64),
-            channels={name: series[begin:end] for name, series in values.items()},
-            weights={name: series[begin:end] for name, series in weights.items()},
-            source=f"{', '.join(drive.loggers)}, {time[begin]:.2f} s to {time[end - 1]:.2f} s",
-            origins=origins,
-            start_s=float(time[begin]) - origin_s,
-            reading_faults=drive.faults,
-            drive=", ".join(drive.loggers),
+    own = own_samples(drive.channels, time)
+    made = []
+    for begin, end in stretches:
+        known = {name: one.phase(begin, end) for name, one in own.items()}
+        phases = {name: phase for name, phase in known.items() if phase is not None}
+        taken = {name: own[name].values for name in phases}
+        measured = {name: own[name].weights for name in phases}
+        made.append(
+            Manoeuvre(
+                name=drive.name if len(stretches) == 1 else f"{drive.name} {time[begin] - time[0]:.1f} s",
+                time=SAMPLE_TIME_S * np.arange(end - begin, dtype=np.float64),
+                channels={name: series[begin:end] for name, series in (values | taken).items()},
+                weights={name: series[begin:end] for name, series in (weights | measured).items()},
+                source=f"{', '.join(drive.loggers)}, {time[begin]:.2f} s to {time[end - 1]:.2f} s",
+                origins=origins,
+                start_s=float(time[begin]) - origin_s,
+                reading_faults=drive.faults,
+                drive=", ".join(drive.loggers),
+                phases=phases,
+            )
         )
-        for begin, end in stretches
-    ]
+    return made
 
 
 def _named_apart(manoeuvres: Sequence[Manoeuvre]) -> list[Manoeuvre]:

@@ -281,7 +281,7 @@ def _paced(kind: TwinKind, group: str) -> TwinKind:
 def twins_of(manoeuvres: Sequence[Manoeuvre], geometry: Geometry) -> list[Twin]:
     """Every twin that the channels allow, over all manoeuvres that have it."""
     sides: dict[str, tuple[TwinKind, list[FloatArray], list[FloatArray], list[BoolArray]]] = {}
-    for manoeuvre in manoeuvres:
+    for manoeuvre in (one.on_one_raster() for one in manoeuvres):
         for kind, left, right in _sides(Motion(manoeuvre, geometry)):
             entry = sides.setdefault(kind.name, (kind, [], [], []))
             entry[1].append(left)

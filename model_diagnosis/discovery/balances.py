@@ -80,8 +80,8 @@ def problems_of(replay: Replay, theta: FloatArray, equations: Sequence[str] | No
     theta : (p,) deviations at which the car is replayed
     """
     drives = [
-        _Drive(errors_of(replay, theta, m), replay.states(theta, m), dict(manoeuvre.channels), replay.car_at(theta))
-        for m, manoeuvre in enumerate(replay.manoeuvres)
+        _Drive(errors_of(replay, theta, m), replay.states(theta, m), dict(one.channels), replay.car_at(theta))
+        for m, one in enumerate(manoeuvre.on_one_raster() for manoeuvre in replay.manoeuvres)
     ]
     wanted = [LONGITUDINAL, WHEEL, LATERAL, YAW]
     if equations is not None:

@@ -122,7 +122,7 @@ class Descent:
             return
         share, part.promised, part.gained = min(LENGTHENED * part.share, 1.0), promised, 0.0
         for _ in range(SHORTENINGS + 1):
-            change = self._tried(step * share, part.columns)
+            change = self._tried(step * share, part.columns if share == 1.0 else None)
             if change < 0.0:
                 part.share, part.gained = share, -change
                 return
@@ -139,9 +139,7 @@ class Descent:
         moving = unsettled(gradient, step, self.parts, self.tolerance)
         return step if moving.all() or not moving.any() else self._step(gradient, moving)
 
-    def _step(
-        self, gradient: FloatArray, part: NDArray[np.bool_], theta: FloatArray | None = None
-    ) -> FloatArray:
+    def _step(self, gradient: FloatArray, part: NDArray[np.bool_], theta: FloatArray | None = None) -> FloatArray:
         """Newton step (p,) of a part's columns to the lowest point of the parabola within the bounds.
 
         Columns that the step would carry over a bound go to it, and the others follow that; cut off afterwards, what
@@ -153,16 +151,16 @@ class Descent:
         low[held] = high[held] = 0.0
         return lowest_within(self.curvature, gradient, low, high)
 
-    def _tried(self, step: FloatArray, part: NDArray[np.bool_]) -> float:
+    def _tried(self, step: FloatArray, part: NDArray[np.bool_] | None) -> float:
         """Change of the cost by a step, which is taken if that is negative.
 
         Where two columns act as a product a step leads up a curved valley's side, and the next one down again: a step
-        that does not lower the cost is tried once more with what the sensitivities say at its end (a second-order
-        correction, Fletcher 1982).
+        that does not lower the cost is tried once more with what the sensitivities say at its end of the columns of
+        ``part`` (a second-order correction, Fletcher 1982); a shortened one is not.
         """
         theta, rows, cost = self._at(self.theta + step * self.scale)
         change = cost - self.cost
-        if change >= 0.0:
+        if change >= 0.0 and part is not None:
             gradient = self.gradient_of(rows, theta)
             back = self._step(gradient, part, theta)
             promised = float(2.0 * gradient @ back - back @ self.curvature @ back)

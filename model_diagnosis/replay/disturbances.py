@@ -129,9 +129,11 @@ def _moved(replay: Replay, theta: FloatArray, m: int) -> dict[str, FloatArray]:
         SAMPLE_TIME_S,
     )
 
+    phases = prepared.phases.inputs, prepared.phases.corrected, prepared.phases.outputs
+
     def run(place: int, disturbance: FloatArray) -> FloatArray:
         out = np.empty((prepared.manoeuvre.samples, len(prepared.chosen)))
-        replay_run(cars, 0, np.zeros(1, STATE_RECORD), *fixed, prepared.chosen, place, disturbance, out)
+        replay_run(cars, 0, np.zeros(1, STATE_RECORD), *fixed, prepared.chosen, *phases, place, disturbance, out)
         return out
 
     usual = run(NOWHERE, np.zeros(0))

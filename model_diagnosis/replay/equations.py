@@ -80,7 +80,7 @@ class _Balances:
 
     def __init__(self, replay: Replay, theta: FloatArray, m: int) -> None:
         manoeuvre = replay.manoeuvres[m]
-        self.channels = manoeuvre.channels
+        self.channels = manoeuvre.on_one_raster().channels
         self.weight = manoeuvre.weight
         self.states = replay.states(theta, m)
         self.car = replay.car_at(theta)

@@ -19,6 +19,7 @@ from model_diagnosis.effects.form import FORM_HYDRAULICS_EFFECTS
 from model_diagnosis.effects.hydraulics import HYDRAULICS_EFFECTS
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.hydraulic_run import hydraulic_run
+from model_diagnosis.replay.phases import Phases
 from model_diagnosis.replay.smoothing import pressure_without_noise
 from model_diagnosis.replay.state import SUBSTEPS
 from signals.wheels import WHEELS
@@ -97,6 +98,7 @@ class HydraulicLog:
     commanded : True where the valve commands were measured
     wheel_speed : (n, 4) rad/s
     cornering : (n,) True at more than 4 m/s^2
+    behind_commands, behind_master : how much later than these the wheel pressures are taken [samples]
     """
 
     master: FloatArray | None
@@ -107,6 +109,8 @@ class HydraulicLog:
     commanded: bool
     wheel_speed: FloatArray
     cornering: NDArray[np.bool_]
+    behind_commands: float = 0.0
+    behind_master: float = 0.0
 
     @property
     def switched(self) -> bool:
@@ -114,7 +118,7 @@ class HydraulicLog:
         return bool(self.inlet.any() or self.outlet.any())
 
 
-def read_hydraulics(manoeuvre: Manoeuvre) -> HydraulicLog | None:
+def read_hydraulics(manoeuvre: Manoeuvre, phases: Phases) -> HydraulicLog | None:
     """What a manoeuvre tells of its hydraulics; None without master pressure and pedal force."""
     channels, n = manoeuvre.channels, manoeuvre.samples
     if "master_pressure" not in channels and "pedal_force" not in channels:
@@ -137,6 +141,8 @@ def read_hydraulics(manoeuvre: Manoeuvre) -> HydraulicLog | None:
         commanded=all(f"valve_{valve}_{wheel}" in channels for valve in _VALVES for wheel in WHEELS),
         wheel_speed=np.ascontiguousarray(wheels("wheel_speed")),
         cornering=np.abs(lateral) > _CORNERING_M_S2,
+        behind_commands=phases.pressure - phases.command,
+        behind_master=phases.pressure - phases.master,
     )
 
 
@@ -211,8 +217,8 @@ class HydraulicReplay:
         for share, record in self._units(changes, log.switched, self.flows):
             hydraulic_run(
                 record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump, log.wheel_speed,
-                log.cornering, measured, valid, volume, return_kept, gain, least, _DEAD_BAND * noise,
-                _NOTHING_BETWEEN, out,
+                log.cornering, log.behind_commands, log.behind_master, measured, valid, volume, return_kept, gain,
+                least, _DEAD_BAND * noise, _NOTHING_BETWEEN, out,
             )  # fmt: skip
             total += share * out
         return total
@@ -236,7 +242,8 @@ class HydraulicReplay:
         ((_, record),) = self._units((), False, self.flows)
         hydraulic_run(
             record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump, log.wheel_speed,
-            log.cornering, measured, valid, 0.0, 0.0, 1.0, least, 0.0, between, out,
+            log.cornering, log.behind_commands, log.behind_master, measured, valid, 0.0, 0.0, 1.0,
+            least, 0.0, between, out,
         )  # fmt: skip
         off = np.zeros_like(out)
         off[1:] = valid[1:] * np.abs(measured[1:] - out[1:])

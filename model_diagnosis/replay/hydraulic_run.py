@@ -71,6 +71,14 @@ def _leave_line(between: NDArray[np.float64], begin: NDArray[np.float64], s: Rec
 
 
 @njit(cache=True, nogil=True)
+def _on_line(values: NDArray[np.float64], place: float) -> float:
+    """Value on the straight line between samples, at a place counted in samples; the ends go on level."""
+    inside = min(max(place, 0.0), values.shape[0] - 1.0)
+    row = min(int(inside), values.shape[0] - 2)
+    return float(values[row] + (inside - row) * (values[row + 1] - values[row]))
+
+
+@njit(cache=True, nogil=True)
 def hydraulic_run(
     parameters: NDArray[np.void],
     memory: NDArray[np.void],
@@ -80,6 +88,8 @@ def hydraulic_run(
     pump: NDArray[np.float64],
     wheel_speed: NDArray[np.float64],
     cornering: NDArray[np.bool_],
+    behind_commands: float,
+    behind_master: float,
     measured: NDArray[np.float64],
     valid: NDArray[np.float64],
     gap_volume: float,
@@ -101,6 +111,7 @@ def hydraulic_run(
     inlet, outlet, pump : (n, 4), (n, 4), (n,) commands, 1 energised
     wheel_speed : (n, 4) rad/s, for the heat of the discs
     cornering : (n,) True where the pads are pushed back
+    behind_commands, behind_master : how much later than these the wheel pressures are taken [samples]
     measured, valid : (n, 4) pressures [Pa] on which the observer corrects, and 1 where they hold
     gap_volume : m^3, behind the pads after cornering
     return_kept : share of the pressure beyond the supply that is left 1 ms later; 0 where it returns at once
@@ -124,8 +135,8 @@ def hydraulic_run(
             for i in range(4):
                 begin[i] = s.pressure[i]
             for tick in range(TICKS):
-                nearest = k - 1 if 2 * tick < TICKS else k
-                supply = master[k - 1] + (tick + 1) / TICKS * (master[k] - master[k - 1])
+                nearest = min(max(int(np.floor(k - 0.5 + tick / TICKS + behind_commands)), 0), master.shape[0] - 1)
+                supply = _on_line(master, k - 1 + (tick + 1) / TICKS + behind_master)
                 before_0, before_1, before_2, before_3 = s.pressure[0], s.pressure[1], s.pressure[2], s.pressure[3]
                 hcu_step(p, s, inlet[nearest], outlet[nearest], wheel_speed[nearest], unused, supply, pump[nearest])
                 if return_kept > 0.0:

@@ -13,6 +13,7 @@ from model_diagnosis.replay.deviations import RECORD_COLUMNS
 from model_diagnosis.replay.gaps import BEGINNING, ends_of_gaps, is_beginning, least_gains
 from model_diagnosis.replay.hydraulic import HydraulicLog, read_hydraulics
 from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of, turning
+from model_diagnosis.replay.phases import Phases, phases_of
 from model_diagnosis.replay.record import CORRECTED, OUTPUTS
 from model_diagnosis.replay.smoothing import pressure_without_noise
 from model_diagnosis.replay.state import SUBSTEPS
@@ -70,6 +71,7 @@ class Prepared:
     between : (n, SUBSTEPS, 4) wheel pressures beside the straight lines between samples [Pa]
     carriers : (n, 4) phases of the tone rings; None without wheel speeds
     least, pressure_least : (n, 6), (n, 4) least gains of the observer, where it begins anew behind a gap of the inputs
+    phases : when within a sample each signal was taken
     """
 
     manoeuvre: Manoeuvre
@@ -89,6 +91,7 @@ class Prepared:
     carriers: FloatArray | None
     least: FloatArray
     pressure_least: FloatArray
+    phases: Phases
 
     @property
     def replays_pressures(self) -> bool:
@@ -148,7 +151,8 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile, car: np.void) -> Prepare
     }
     inputs = read_inputs(manoeuvre, driving, vehicle, car)
     moving = tuple(name for name in COMPARED if name in channels and manoeuvre.weight(name).any())
-    hydraulics = read_hydraulics(manoeuvre)
+    phases = phases_of(manoeuvre, moving)
+    hydraulics = read_hydraulics(manoeuvre, phases)
     known = all(name in channels for name in PRESSURES)
     signals = moving + _pressure_signals(hydraulics, known)
     corrected = np.zeros((manoeuvre.samples, len(CORRECTED)))
@@ -179,6 +183,7 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile, car: np.void) -> Prepare
         carriers=ring_carriers(manoeuvre.time, corrected[:, :4]) if ringed else None,
         least=least_gains(valid, anew),
         pressure_least=least_gains(pressure_valid, anew),
+        phases=phases,
     )
 
 
@@ -198,6 +203,8 @@ def _weights(manoeuvre: Manoeuvre, signals: tuple[str, ...], inputs: Inputs, veh
     for k, name in enumerate(signals):
         weights[:, k] = manoeuvre.weight(name) * counts
         weights[: SETTLING_BODY if name in _OF_THE_BODY else BEGINNING, k] = 0.0
+        if manoeuvre.phases.get(name, 0.0) > 0.0:
+            weights[-1:, k] = 0.0  # taken behind the last instant of the inputs
         if name in _LONGITUDINAL:
             weights[inputs.inferred | inputs.forced, k] = 0.0
         if name.startswith("wheel_speed_"):

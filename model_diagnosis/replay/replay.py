@@ -306,7 +306,10 @@ class Replay:
         out = np.empty((1, prepared.manoeuvre.samples, len(chosen)))
         fixed = (self.tables_at(deviations), inputs, prepared.between, corrected, prepared.valid, prepared.start)
         least = prepared.least if gains.any() else np.zeros_like(prepared.least)
-        replay_cars(cars, 0, 1, *fixed, gains, least, horizon, SAMPLE_TIME_S, chosen, out)
+        phases = prepared.phases
+        taken = phases.outputs if chosen is prepared.chosen else np.zeros(len(chosen))
+        how = gains, least, horizon, SAMPLE_TIME_S, chosen, phases.inputs, phases.corrected, taken
+        replay_cars(cars, 0, 1, *fixed, *how, out)
         return out[0]
 
     def tables_at(self, deviations: Mapping[str, float]) -> FloatArray:

@@ -74,6 +74,43 @@ def take_inputs(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _between_rows(values: NDArray[np.float64], column: int, place: float) -> float:
+    """Value of a column on the straight line between rows, at a place counted in rows; the ends go on level."""
+    place = min(max(place, 0.0), values.shape[0] - 1.0)
+    row = min(int(place), values.shape[0] - 2)
+    return values[row, column] + (place - row) * (values[row + 1, column] - values[row, column])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def take_inputs_at(
+    s: Record,
+    inputs: NDArray[np.float64],
+    phases: NDArray[np.float64],
+    between: NDArray[np.float64],
+    instant: float,
+) -> None:
+    """Inputs at an instant in samples, each channel taken at its own phase; ``between`` (n · SUBSTEPS, 4)."""
+    for i in range(4):
+        place = instant - phases[i]
+        beside = _between_rows(between, i, (place + 1.0) * SUBSTEPS - 0.5)
+        s.pressure[i] = max(_between_rows(inputs, i, place) + beside, 0.0)
+    s.drive_front = _between_rows(inputs, INPUT_DRIVE_FRONT, instant - phases[INPUT_DRIVE_FRONT])
+    s.drive_rear = _between_rows(inputs, INPUT_DRIVE_REAR, instant - phases[INPUT_DRIVE_REAR])
+    s.steer = _between_rows(inputs, INPUT_STEER, instant - phases[INPUT_STEER])
+    s.grade = _between_rows(inputs, INPUT_GRADE, instant - phases[INPUT_GRADE])
+    s.bank = _between_rows(inputs, INPUT_BANK, instant - phases[INPUT_BANK])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def when_taken(phase: float) -> tuple[int, int, float]:
+    """When in the steps to a sample k a signal is taken: which sample that is (k or k - 1, as 0 or -1), in which step,
+    and after which share of it."""
+    place = (phase if phase > 0.0 else 1.0 + phase) * SUBSTEPS
+    step = min(max(int(np.ceil(place - 1e-9)) - 1, 0), SUBSTEPS - 1)
+    return (-1 if phase > 0.0 else 0), step, place - step
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def keep_spins(s: Record) -> None:
     """Put the wheels' speeds at the end of a step before those of the last ones."""
     for k in range(PAST_STEPS - 1, 0, -1):
@@ -116,16 +153,19 @@ def write_outputs(p: Record, s: Record, step: float, out: NDArray[np.float64]) -
 def correct_states(
     p: Record,
     s: Record,
-    full: NDArray[np.float64],
+    seen: NDArray[np.float64],
     measured: NDArray[np.float64],
     valid: NDArray[np.float64],
     gains: NDArray[np.float64],
     least: NDArray[np.float64],
 ) -> None:
-    """Observer: wheel speeds, speed and yaw rate are drawn to the measured ones, by ``least`` (6,) gains or more."""
+    """Observer: wheel speeds, speed and yaw rate are drawn to the measured ones, by ``least`` (6,) gains or more.
+
+    ``seen`` (6,) are the predictions of ``CORRECTED``.
+    """
     along = count = anew = 0.0
     for i in range(4):
-        error = valid[i] * (measured[i] - full[i])
+        error = valid[i] * (measured[i] - seen[i])
         band = gains[DEAD_BAND_WHEEL] if least[i] <= gains[GAIN_WHEEL] else 0.0
         beyond = error - min(max(error, -band), band)
         moved = max(max(gains[GAIN_WHEEL], least[i]) * beyond, -s.spin[i])
@@ -136,10 +176,10 @@ def correct_states(
         count += valid[i]
         anew = max(anew, least[i])
     if valid[4] > 0.0:
-        s.speed += max(gains[GAIN_SPEED], least[4]) * (measured[4] - full[_SPEED])
+        s.speed += max(gains[GAIN_SPEED], least[4]) * (measured[4] - seen[4])
     elif count > 0.0:
         s.speed += max(gains[GAIN_SPEED_BY_WHEELS], anew) * along / count
-    s.yaw_rate += valid[5] * max(gains[GAIN_YAW], least[5]) * (measured[5] - full[_YAW_RATE])
+    s.yaw_rate += valid[5] * max(gains[GAIN_YAW], least[5]) * (measured[5] - seen[5])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -179,6 +219,9 @@ def replay_run(
     horizon: int,
     sample_time: float,
     chosen: NDArray[np.int64],
+    input_phases: NDArray[np.float64],
+    corrected_phases: NDArray[np.float64],
+    output_phases: NDArray[np.float64],
     place: int,
     disturbance: NDArray[np.float64],
     out: NDArray[np.float64],
@@ -199,6 +242,7 @@ def replay_run(
     horizon : samples after which a free run restarts at the measured speeds; 0 never
     sample_time : s
     chosen : (c,) outputs to keep
+    input_phases, corrected_phases, output_phases : (INPUTS,), (6,), (c,) in samples, see ``phases``
     place : where a disturbance acts (``disturb_step``), or ``NOWHERE``
     disturbance : (n,) N or N m, each in the step to its sample
     out : (n, c) predictions before each sample's correction
@@ -206,23 +250,104 @@ def replay_run(
     p, s = cars[car], memory[0]
     take_tables(s, tables)
     step = sample_time / SUBSTEPS
-    full, restart, nothing = np.zeros(_OUTPUTS), np.ones(5), np.zeros(6)
+    full, before, seen = np.zeros(_OUTPUTS), np.zeros(_OUTPUTS), np.zeros(6)
+    restart, nothing = np.ones(5), np.zeros(6)
     restart[DEAD_BAND_WHEEL] = 0.0
+    is_phased = bool(input_phases.any() or corrected_phases.any() or output_phases.any())
+    courses = np.ascontiguousarray(between).reshape(between.shape[0] * SUBSTEPS, 4)
     take_inputs(s, inputs[0], inputs[0], 0.0, between[0, 0])
     settle(p, s, start, step)
+    write_outputs(p, s, step, full)
     for k in range(inputs.shape[0]):
-        if k > 0:
-            for j in range(SUBSTEPS):
+        for j in range(SUBSTEPS if k > 0 else 0):
+            if is_phased:
+                take_inputs_at(s, inputs, input_phases, courses, k - 1.0 + (j + 0.5) / SUBSTEPS)
+            else:
                 take_inputs(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS, between[k, j])
-                move_car(p, s, step)
-                if place != NOWHERE:
-                    disturb(p, s, place, disturbance[k], step)
-                keep_spins(s)
-        write_outputs(p, s, step, full)
-        for c in range(chosen.shape[0]):
-            out[k, c] = full[chosen[c]]
+            move_car(p, s, step)
+            if place != NOWHERE:
+                disturb(p, s, place, disturbance[k], step)
+            keep_spins(s)
+            if is_phased:
+                before[:] = full
+                write_outputs(p, s, step, full)
+                _write_taken(k, j, before, full, chosen, output_phases, out)
+                if horizon == 0:
+                    _correct_taken(p, s, k, j, before, full, measured, valid, gains, least, corrected_phases, seen)
+                    write_outputs(p, s, step, full)
+        if not is_phased:
+            write_outputs(p, s, step, full)
+        if not is_phased or k == 0:
+            for c in range(chosen.shape[0]):
+                out[k, c] = full[chosen[c]]
         if horizon > 0:
             if k % horizon == 0:
-                correct_states(p, s, full, measured[k], valid[k], restart, nothing)
-        else:
-            correct_states(p, s, full, measured[k], valid[k], gains, least[k])
+                _see(full, seen)
+                correct_states(p, s, seen, measured[k], valid[k], restart, nothing)
+        elif not is_phased:
+            _see(full, seen)
+            correct_states(p, s, seen, measured[k], valid[k], gains, least[k])
+    if is_phased:
+        _write_last(full, chosen, output_phases, out)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _see(full: NDArray[np.float64], seen: NDArray[np.float64]) -> None:
+    """Predictions of the signals that the observer corrects on."""
+    for i in range(4):
+        seen[i] = full[i]
+    seen[4], seen[5] = full[_SPEED], full[_YAW_RATE]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _write_taken(
+    k: int,
+    j: int,
+    before: NDArray[np.float64],
+    full: NDArray[np.float64],
+    chosen: NDArray[np.int64],
+    phases: NDArray[np.float64],
+    out: NDArray[np.float64],
+) -> None:
+    """Outputs that are taken in step ``j`` to sample ``k``, on the straight line over the step."""
+    for c in range(chosen.shape[0]):
+        row, step, share = when_taken(phases[c])
+        if step == j:
+            out[k + row, c] = before[chosen[c]] + share * (full[chosen[c]] - before[chosen[c]])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _write_last(
+    full: NDArray[np.float64], chosen: NDArray[np.int64], phases: NDArray[np.float64], out: NDArray[np.float64]
+) -> None:
+    """What is taken behind the last sample's instant is not reached; it gets the last outputs, and has no weight."""
+    for c in range(chosen.shape[0]):
+        if phases[c] > 0.0:
+            out[out.shape[0] - 1, c] = full[chosen[c]]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _correct_taken(
+    p: Record,
+    s: Record,
+    k: int,
+    j: int,
+    before: NDArray[np.float64],
+    full: NDArray[np.float64],
+    measured: NDArray[np.float64],
+    valid: NDArray[np.float64],
+    gains: NDArray[np.float64],
+    least: NDArray[np.float64],
+    phases: NDArray[np.float64],
+    seen: NDArray[np.float64],
+) -> None:
+    """Correct on those signals that are taken in step ``j`` to sample ``k``, at its end."""
+    known, counts, anew = np.zeros(6), np.zeros(6), np.zeros(6)
+    for q in range(6):
+        row, step, share = when_taken(phases[q])
+        if step == j:
+            column = q if q < 4 else (_SPEED if q == 4 else _YAW_RATE)
+            seen[q] = before[column] + share * (full[column] - before[column])
+            known[q], counts[q], anew[q] = measured[k + row, q], valid[k + row, q], least[k + row, q]
+    if counts.any():
+        correct_states(p, s, seen, known, counts, gains, anew)

@@ -25,6 +25,9 @@ def replay_cars(
     horizon: int,
     sample_time: float,
     chosen: NDArray[np.int64],
+    input_phases: NDArray[np.float64],
+    corrected_phases: NDArray[np.float64],
+    output_phases: NDArray[np.float64],
     out: NDArray[np.float64],
 ) -> None:
     """Cars ``first`` to ``last`` (exclusive) into ``out`` (cars, n, c); other arguments as in ``replay_run``."""
@@ -32,4 +35,5 @@ def replay_cars(
     for car in range(first, last):
         memory = np.zeros(1, STATE_RECORD)
         fixed = tables, inputs, between, measured, valid, start, gains, least, horizon, sample_time, chosen
-        replay_run(cars, car, memory, *fixed, NOWHERE, quiet, out[car])
+        phases = input_phases, corrected_phases, output_phases
+        replay_run(cars, car, memory, *fixed, *phases, NOWHERE, quiet, out[car])

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hidden_effects.brakes import released, wheel_pressure
 from hidden_effects.car import GRAVITY_M_S2, Numbers, as_record, nominal_car
-from hidden_effects.chassis import pitch_rates, sprung_inertias
+from hidden_effects.chassis import pitch_rates, roll_rates, sprung_inertias
 from hidden_effects.manoeuvres import HELD_OUT, SIX, Script, nothing, ramps
 from hidden_effects.outputs import INDEX
 from hidden_effects.simulator import simulate
@@ -94,7 +95,8 @@ def test_braking_moves_m_a_h_over_l_to_the_front() -> None:
 
 @pytest.mark.parametrize("axle", [0, 1], ids=["front", "rear"])
 def test_support_of_an_axle_takes_its_own_moment_from_the_springs(axle: int) -> None:
-    """Settled: (K - m g h) theta = -h sum F + tan(eps) F_axle times that axle's arm about the centre of gravity."""
+    """Settled: (K - m g h) theta = -h sum F + tan(eps) F_axle times that axle's arm about the centre of gravity, with
+    what the slowing wheels hand on to the body and less what rolling resistance turns it back."""
     press = Script("brake", 30.0, 4.0, ramps((0, 0), (0.5, 90), (9, 90)), nothing, nothing)
     tangent = [0.0, 0.0]
     tangent[axle] = 0.1
@@ -103,8 +105,39 @@ def test_support_of_an_axle_takes_its_own_moment_from_the_springs(axle: int) -> 
     force = _columns(out, "force_x")[-1]
     stiffness, _ = pitch_rates(as_record(car))
     taken = 0.1 * force[2 * axle : 2 * axle + 2].sum() * (1.25, 1.32)[axle]
-    expected = (-0.535 * force.sum() + taken) / (stiffness - 1296.0 * GRAVITY_M_S2 * 0.535)
-    assert out[-1, INDEX["pitch_angle"]] == pytest.approx(expected, rel=0.01)
+    expected = (-0.535 * force.sum() + taken + _about_wheels(out)) / (stiffness - 1296.0 * GRAVITY_M_S2 * 0.535)
+    assert out[-1, INDEX["pitch_angle"]] == pytest.approx(expected, rel=0.003)
+
+
+def _about_wheels(out: np.ndarray) -> float:
+    """Moment on the body by the wheels' change of spin over the last 0.1 s and by rolling resistance [N m]."""
+    spin = _columns(out, "wheel_speed")
+    slowing = -0.8 * (spin[-1] - spin[-101]).sum() / 0.1
+    return float(slowing - 0.015 * 0.278 * _columns(out, "load")[-1].sum())
+
+
+def test_spinning_wheels_lean_the_turning_car_outwards() -> None:
+    """Steady circle: (K - m g h) phi = h sum F_y + r J sum(omega), the moment that turns the wheels' momentum."""
+    car = _changed(steering_stiffness=1e9, drag_area=0.0, side_area=0.0)
+    turn = Script("circle", 25.0, 6.0, nothing, ramps((0, 0), (1, 0.3), (9, 0.3)), nothing)
+    out = simulate(as_record(car), turn.drive())
+    record = as_record(car)
+    stiffness = sum(roll_rates(record, axle)[0] for axle in range(2)) - 1296.0 * GRAVITY_M_S2 * 0.535
+    yaw_rate, lateral = out[-1, INDEX["yaw_rate"]], _columns(out, "force_y")[-1].sum()
+    turned = yaw_rate * 0.8 * _columns(out, "wheel_speed")[-1].sum()
+    assert turned > 0.01 * 0.535 * lateral  # an effect that the tolerance below would not let pass
+    assert out[-1, INDEX["roll_angle"]] == pytest.approx((0.535 * lateral + turned) / stiffness, rel=0.003)
+
+
+def test_a_dumped_brake_gives_no_more_fluid_than_its_accumulator_takes() -> None:
+    """With the pump at rest the pressure falls by capacity times stiffness, however long the outlet is open."""
+    record = as_record(_changed(accumulator_volume=2e-7))
+    volumes, pressure = np.zeros(2), 8e6
+    for _ in range(400):
+        lower = wheel_pressure(record, 0, pressure, 8e6, 0.0, 0.0, 1.0, 5e-4)
+        pressure = released(record, 0, volumes, 0, pressure, lower)
+    assert pressure == pytest.approx(8e6 - 2e-7 * 7e12, rel=1e-9)
+    assert volumes[0] == pytest.approx(2e-7, rel=1e-9)
 
 
 def test_pitch_rings_with_its_own_frequency() -> None:

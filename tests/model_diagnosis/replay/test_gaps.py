@@ -78,5 +78,7 @@ def test_a_car_that_drove_on_unseen_is_met_again_where_it_is(car: VehicleFile, t
     met, missed = ((one.measured(0) - one.predict(np.zeros(len(one.columns)), 0))[:, place] for one in (replay, usual))
     assert abs(met[END]) > 5.0 * std
     again = END + BEGINNING
-    assert np.flatnonzero(replay.weights()[0][:, place])[BEGIN] == again
+    counted = np.flatnonzero(replay.weights()[0][:, place])
+    assert counted[0] == BEGINNING
+    assert counted[BEGIN - BEGINNING] == again
     assert np.abs(met[again : again + 40]).max() < 2.0 * std < np.abs(missed[again : again + 40]).max()
