@@ -6,7 +6,7 @@ findings = diagnose(["drive.csv"], "car.yaml", "channels.yaml")
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import cast
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from model_diagnosis.data import check_data, read_manoeuvres
 from model_diagnosis.data.holding_out import held_out_by_time
 from model_diagnosis.data.liveliest import liveliest
-from model_diagnosis.discovery.unknown import with_unknown
+from model_diagnosis.discovery.unknown import MARGIN, FoundUnknown, most_violated, weigh_unknown
 from model_diagnosis.effects.catalogue import effect as find_effect
 from model_diagnosis.effects.form import FORM_NAMES
 from model_diagnosis.evidence.answer import CauseDetail, causes
@@ -30,7 +30,6 @@ from model_diagnosis.evidence.selection import Accepted, Selection, Selector
 from model_diagnosis.evidence.structure import are_forced_together
 from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
 from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, compare
-from model_diagnosis.extension.extended_vehicle import FoundTerm
 from model_diagnosis.findings import Findings
 from model_diagnosis.held_out import gain_of, noise_std
 from model_diagnosis.localisation import Localisation, localise, place_remarks
@@ -52,7 +51,16 @@ Source = Sequence[Manoeuvre] | Sequence[str | Path]
 REFIT_MARGIN = 3.0
 """Log evidence below the threshold from which an effect is still refitted."""
 
-STEPS = {"data": 0.0, "base": 0.1, "threshold": 0.4, "search": 0.42, "answer": 0.8, "plan": 0.88, "gain": 0.95}
+STEPS = {
+    "data": 0.0,
+    "base": 0.1,
+    "threshold": 0.4,
+    "search": 0.42,
+    "unknown": 0.75,
+    "answer": 0.85,
+    "plan": 0.9,
+    "gain": 0.95,
+}
 """Share of the whole at which each step begins, for the progress bar."""
 
 
@@ -177,27 +185,44 @@ class _Pipeline:
         self.clock.begin("search")
         selector = Selector(search, needed, self.clock.tell)
         selection = selector.run(base.nothing, base.at_nothing, base.at_saturated)
+        self.clock.begin("unknown")
+        guilty = localise(self.replay, base, selection.nothing.theta, self.seed)
+        unknown = self._unknown(base, selector, selection, guilty, needed)
         self.clock.begin("answer")
         chords, starts = (base.at_nothing, base.at_saturated), (selection.fit.theta, base.saturated.theta)
         wrong = compare(base.problem, selection.nothing, chords, starts)
-        is_wrong = wrong.beats(sum(one.evidence for one in selection.accepted))
-        details = [] if is_wrong else self._causes(search, selection)
+        found = unknown.evidence if unknown else sum(one.evidence for one in selection.accepted)
+        is_wrong = wrong.beats(found)
+        details = [] if is_wrong or unknown else self._causes(search, selection)
         shown = excitation(base.problem, base.at_nothing.information, needed)
-        guilty = localise(self.replay, base, selection.nothing.theta, self.seed)
         self.clock.begin("plan")
         following = next_manoeuvre(self.vehicle, self.replay, search, selection, details)
         self.clock.begin("gain")
-        answer = self._diagnosis(search, selection, details, wrong if is_wrong else None, shown, guilty, needed)
+        unknown = None if is_wrong else unknown
+        answer = self._diagnosis(
+            search, selection, details, wrong if is_wrong else None, shown, guilty, needed, unknown
+        )
         answer.next_manoeuvre = following
-        terms: list[FoundTerm] = []
-        if not is_wrong:
-            self.clock.begin("unknown")
-            theta = selection.fit.theta if details else selection.nothing.theta
-            answer, terms = with_unknown(answer, self.replay, theta, self.held_out, self.seed)
-        findings = replace(self._findings(answer, base, selection, search), terms=terms)
+        findings = self._findings(answer, base, selection, search, unknown)
         self.clock.begin("")
         answer.timing_s.update(self.clock.seconds)
         return findings
+
+    def _unknown(
+        self, base: Base, selector: Selector, selection: Selection, guilty: Localisation, needed: float
+    ) -> FoundUnknown | None:
+        """The term that says more than all causes of the catalogue together, or than nothing where there are none."""
+        equations = most_violated(guilty.by_equation_error)
+        found = weigh_unknown(
+            base.problem, self.replay, selection.nothing, base.at_nothing, needed, equations, self.seed
+        )
+        if found is None:
+            return None
+        chosen = [one.hypothesis for one in selection.accepted]
+        named = selector.evidence_of(chosen, selection.fit, selection.linearisation) - selector.evidence_of(
+            [], selection.nothing, selection.linearisation
+        )
+        return found if not chosen or found.evidence > named + MARGIN else None
 
     def _priors(self) -> Priors:
         return Priors.of(self.replay.parameters)
@@ -245,16 +270,22 @@ class _Pipeline:
         shown: Excitation,
         guilty: Localisation,
         needed: float,
+        unknown: FoundUnknown | None,
     ) -> Diagnosis:
         found = [detail.cause for detail in details]
+        terms = [unknown.answer] if unknown else []
         gain = gain_of(search.problem, selection, self.held_out, self.seed) if found else None
+        if unknown:
+            held_out = unknown.on(self.held_out) if self.held_out else None
+            gain = gain_of(unknown.problem, unknown.selection, held_out, self.seed, unknown.theta_on)
         return Diagnosis(
-            verdict=verdict_of(found, [], self.faults, wrong, shown.insufficient, self._nameable),
+            verdict=verdict_of(found, terms, self.faults, wrong, shown.insufficient, self._nameable),
             data_faults=self.faults,
             causes=found,
+            discovered_terms=terms,
             gain=gain,
             remarks=[
-                *self._remarks(selection, wrong),
+                *self._remarks(selection, wrong, unknown),
                 *place_remarks([find_effect(cause.effect) for cause in found], guilty.by_innovations),
             ],
             insufficient=list(shown.insufficient),
@@ -265,8 +296,15 @@ class _Pipeline:
             threshold=needed,
         )
 
-    def _remarks(self, selection: Selection, wrong: WrongVehicle | None) -> list[str]:
+    def _remarks(self, selection: Selection, wrong: WrongVehicle | None, unknown: FoundUnknown | None) -> list[str]:
         remarks = list(selection.decisions)
+        if unknown:
+            remarks += unknown.selection.decisions
+            remarks.append(f"{unknown.term.formula}: log evidence {unknown.evidence:.1f}, its price paid")
+            remarks += [
+                f"{unknown.term.formula}: on this data the same as {name} ({value:.2f})"
+                for name, value in unknown.same_as.items()
+            ]
         if wrong is not None:
             for column, deviation in zip(wrong.far_off, wrong.deviations, strict=True):
                 remarks.append(
@@ -276,11 +314,18 @@ class _Pipeline:
             remarks.append("one manoeuvre only: nothing is left to check the answer on")
         return remarks
 
-    def _findings(self, answer: Diagnosis, base: Base, selection: Selection, search: Search) -> Findings:
-        theta = selection.fit.theta if answer.causes else np.zeros(len(self.replay.columns))
-        manoeuvres = manoeuvre_findings(self.replay, theta, held_out=False)
-        if self.held_out is not None:
-            manoeuvres += manoeuvre_findings(self.held_out, theta, held_out=True)
+    def _findings(
+        self, answer: Diagnosis, base: Base, selection: Selection, search: Search, unknown: FoundUnknown | None
+    ) -> Findings:
+        replay, held_out = self.replay, self.held_out
+        theta = beyond = selection.fit.theta if answer.causes else np.zeros(len(replay.columns))
+        if unknown:
+            replay, theta = unknown.replay, unknown.selection.fit.theta
+            if held_out is not None:
+                held_out, beyond = unknown.on(held_out), unknown.theta_on(held_out, theta)
+        manoeuvres = manoeuvre_findings(replay, theta, held_out=False)
+        if held_out is not None:
+            manoeuvres += manoeuvre_findings(held_out, beyond, held_out=True)
         quadratic = base.problem.quadratic(base.at_nothing, base.problem.rows(base.nothing.theta), base.nothing.theta)
         linear = by_effect(
             search.hypotheses, linear_evidence(base.problem, quadratic, search.hypotheses), len(self.replay.effects)
@@ -296,4 +341,5 @@ class _Pipeline:
                 if np.isfinite(value)
             },
             logs=self.logs,
+            terms=[unknown.for_the_car] if unknown else [],
         )

@@ -1,26 +1,38 @@
 """The gain of an answer on manoeuvres that took no part in the search, or by leaving out each manoeuvre in turn."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.evidence.fitting import Problem
 from model_diagnosis.evidence.quadratic import Quadratic, total
-from model_diagnosis.evidence.replay_model import ReplayModel
 from model_diagnosis.evidence.search import ratios
 from model_diagnosis.evidence.selection import Selection
 from model_diagnosis.gain import HeldOut, held_out_residuals, measure_gain
+from model_diagnosis.replay import Replay
 from model_diagnosis.result import Gain
 
 FloatArray = NDArray[np.float64]
 
 
-def gain_of(problem: Problem, selection: Selection, held_out: ReplayModel | None, seed: int) -> Gain | None:
-    """Gain on the held-out replay; without one by cross-validation; None where neither is possible."""
+def gain_of(
+    problem: Problem,
+    selection: Selection,
+    held_out: Replay | None,
+    seed: int,
+    theta_on: Callable[[Replay, FloatArray], FloatArray] | None = None,
+) -> Gain | None:
+    """Gain on the held-out replay; without one by cross-validation; None where neither is possible.
+
+    ``theta_on`` turns deviations of the search's replay into the held-out one's where the latter has other columns.
+    """
     neutral = np.zeros(len(problem.scale))
     if held_out is not None and len(held_out.manoeuvres):
-        residuals = held_out_residuals(held_out, neutral, selection.fit.theta, selection.nothing.theta)
+        after, refit = selection.fit.theta, selection.nothing.theta
+        if theta_on is not None:
+            neutral, after, refit = (theta_on(held_out, one) for one in (neutral, after, refit))
+        residuals = held_out_residuals(held_out, neutral, after, refit)
         return measure_gain(residuals, noise_std(held_out), seed=seed)
     if len(problem.replay.manoeuvres) < 2:
         return None
@@ -28,7 +40,7 @@ def gain_of(problem: Problem, selection: Selection, held_out: ReplayModel | None
     return measure_gain(residuals, noise_std(problem.replay), seed=seed, cross_validated=True)
 
 
-def noise_std(replay: ReplayModel) -> dict[str, float]:
+def noise_std(replay: Replay) -> dict[str, float]:
     """Signal -> own noise of its sensor."""
     return {
         signal: replay.sensor_std(signal)

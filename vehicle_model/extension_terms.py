@@ -74,6 +74,7 @@ BRAKE_FACTOR, BRAKE, DRIVE, FRICTION_FACTOR, SIDE_FORCE, ROLLING, RADIUS_FACTOR,
     _PRESSURE,
     _DISC_TEMPERATURE,
     _TYRE_HEATING,
+    _PRESSURE_RATE,
 ) = range(len(VARIABLES))
 _POWER, _ABOVE, _BELOW, _STEP, _LIMITED, _SINE, _RELAY, _DIRECTION = range(len(FUNCTIONS))
 _ODD = 2
@@ -130,6 +131,8 @@ def _wheel_variable(
         return p.disc_start_temperature[i] + s.disc_heating[i]
     if kind == _TYRE_HEATING:
         return s.tyre_heating[i]
+    if kind == _PRESSURE_RATE:
+        return s.brake_rate[i] / p.torque_per_pressure[i] if p.torque_per_pressure[i] > 0.0 else 0.0
     along, across = _along_and_across(s, i)
     rolling = p.radius[i] * omega
     if kind == _SLIDING:
@@ -219,10 +222,12 @@ def _remembering(t: Record, k: int, wheel: int, x: float) -> float:
 
 
 @njit(cache=True)
-def _update_heat(p: Record, s: Record, v: NDArray[np.float64], brake: NDArray[np.float64], step: float) -> None:
-    """Heat of discs and treads, and the energy that the brakes took since they were last released."""
+def _update_memory(p: Record, s: Record, v: NDArray[np.float64], brake: NDArray[np.float64], step: float) -> None:
+    """Heat of discs and treads, energy that the brakes took since they were released, how fast they are pressed."""
     released = True
     for i in range(4):
+        s.brake_rate[i] = (brake[i] - s.brake_before[i]) / step
+        s.brake_before[i] = brake[i]
         released = released and brake[i] < _RELEASED_PA * p.torque_per_pressure[i]
         s.stop_energy += step * s.brake_torque[i] * abs(v[VELOCITY_SPIN[i]] - s.carrier_spin[i])
         omega = abs(v[VELOCITY_SPIN[i]] - s.carrier_spin[i])
@@ -262,7 +267,7 @@ def evaluate_terms(
     brake, drive : shape (4,), N m
         Torques that enter the step, before any term changes them.
     """
-    _update_heat(p, s, v, brake, step)
+    _update_memory(p, s, v, brake, step)
     for target in range(s.added.shape[0]):
         for i in range(4):
             s.added[target, i] = 0.0

@@ -57,6 +57,7 @@ WheelVariable = Literal[
     "brake_pressure",
     "brake_disc_temperature",
     "tyre_heating",
+    "brake_pressure_rate",
 ]
 CAR_VARIABLES: tuple[str, ...] = get_args(CarVariable)
 WHEEL_VARIABLES: tuple[str, ...] = get_args(WheelVariable)
@@ -88,6 +89,7 @@ VARIABLE_UNITS: dict[str, str] = {
     "brake_pressure": "Pa",
     "brake_disc_temperature": "degC",
     "tyre_heating": "degC",
+    "brake_pressure_rate": "Pa/s",
 }
 
 Wheels = Literal["all", "front", "rear", "left", "right", "fl", "fr", "rl", "rr"]

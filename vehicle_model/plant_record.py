@@ -169,6 +169,8 @@ STATE_RECORD = np.dtype(
         ("stop_energy", "f8"),
         ("disc_heating", "f8", (4,)),
         ("tyre_heating", "f8", (4,)),
+        ("brake_before", "f8", (4,)),
+        ("brake_rate", "f8", (4,)),
     ],
     align=True,
 )

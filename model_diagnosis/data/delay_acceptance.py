@@ -41,7 +41,7 @@ _ORDER = 4
 _FARTHEST = 2
 _AGREEMENT_S = 0.006
 """Difference between what innovations and correlation say above which neither is believed: physics bends phases more
-than it shifts them. Correlation that is less sure than that, over gaps, is given its own standard deviation."""
+than it shifts them. Correlation that is less sure than that, over gaps, is given two of its standard deviations."""
 _AGREEMENT_SHARE = 0.2
 """The same as a share of the delay: no physics shifts phases by 30 ms and more, and the two ways weigh frequencies
 differently."""
@@ -62,17 +62,25 @@ def accepted_delays(
     chosen = [k for k, column in enumerate(model.columns) if column.partition(".")[0] in IMPOSTORS]
     slopes = model.sensitivities(np.zeros(len(model.columns)), chosen)
     score, samples = refitted_innovations(model, slopes, chosen)
-    for late in sorted(delays, key=lambda one: -one.gain):
-        trials = _Trials(late, current, {0: score}, vehicle, replay, slopes, chosen)
-        best = _best_shift(trials.score, round(late.delay_s / SAMPLE_TIME_S))
-        delay_s = SAMPLE_TIME_S * _vertex(trials.score, best)
-        allowed_s = max(_AGREEMENT_S, late.std_s, _AGREEMENT_SHARE * abs(late.delay_s))
-        agrees = abs(delay_s - late.delay_s) < allowed_s
-        if agrees and score - trials.score(best) > _MARGIN * min(1.0, samples / _MARGIN_SAMPLES):
-            known = _combined(late, delay_s)
-            shift = round(known.delay_s / SAMPLE_TIME_S)
-            accepted.append(known)
-            current, score = trials.manoeuvres(shift), trials.score(shift)
+    waiting = sorted(delays, key=lambda one: -one.gain)
+    while waiting:
+        refused = []
+        for late in waiting:
+            trials = _Trials(late, current, {0: score}, vehicle, replay, slopes, chosen)
+            best = _best_shift(trials.score, round(late.delay_s / SAMPLE_TIME_S))
+            delay_s = SAMPLE_TIME_S * _vertex(trials.score, best)
+            allowed_s = max(_AGREEMENT_S, 2.0 * late.std_s, _AGREEMENT_SHARE * abs(late.delay_s))
+            agrees = abs(delay_s - late.delay_s) < allowed_s
+            if agrees and score - trials.score(best) > _MARGIN * min(1.0, samples / _MARGIN_SAMPLES):
+                known = _combined(late, delay_s)
+                shift = round(known.delay_s / SAMPLE_TIME_S)
+                accepted.append(known)
+                current, score = trials.manoeuvres(shift), trials.score(shift)
+            else:
+                refused.append(late)
+        if len(refused) == len(waiting):
+            break
+        waiting = refused  # beside another late set, innovations draw a delay towards it
     return accepted, current
 
 
@@ -174,5 +182,7 @@ def _log_innovation(residual: FloatArray, present: NDArray[np.bool_]) -> float:
     if rows.sum() < 50:  # a slow channel: its samples stand alone
         return float(present.sum() * np.log(np.std(residual[present]) + 1e-12))
     design, target = lagged[rows], values[_ORDER:][rows]
+    if not target.any():  # a replay that is driven by the channel itself says nothing of it
+        return 0.0
     coefficients = np.linalg.solve(design.T @ design + 1e-5 * np.eye(_ORDER) * np.mean(target**2), design.T @ target)
     return float(present.sum() * np.log(np.std(target - design @ coefficients) + 1e-12))

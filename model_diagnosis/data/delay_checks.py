@@ -7,6 +7,7 @@ would smooth the noise.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -189,30 +190,34 @@ def _sets(origins: Mapping[str, str], *, message: bool) -> list[set[str]]:
 
 
 def explain_lags(relations: Sequence[LagRelation], sets: Sequence[Late], *, proposed: bool = False) -> list[Late]:
-    """The fewest late sets that explain the lags, one after the other, each with its delay.
+    """The fewest late sets that explain the lags, each with its delay; the cheapest of all choices of up to three.
 
-    ``proposed`` ones are judged by innovations afterwards, so that less is asked of them here.
+    Chosen one after the other, what acts early in two relations (the pressures, say) would be taken for what is late in
+    both. ``proposed`` ones are judged by innovations afterwards, so that less is asked of them here.
     A set of channels is late, seldom early: a negative delay needs more evidence unless it is a whole logger's clock.
     """
-    accepted: list[Late] = []
-    for _ in range(_MOST):
-        base = _fit(relations, accepted)[1]
-        best: tuple[float, list[Late]] | None = None
-        for late in sets:
-            if any(late.groups & other.groups == late.groups for other in accepted):
+    penalty = _PROPOSAL_PENALTY if proposed else _PENALTY
+    cost = {frozenset[int](): _fit(relations, [])[1]}
+    best: tuple[float, list[Late]] = (cost[frozenset()], [])
+    for size in range(1, _MOST + 1):
+        for chosen in combinations(range(len(sets)), size):
+            if any(sets[a].groups <= sets[b].groups for a in chosen for b in chosen if a != b):
                 continue
-            fitted, cost = _fit(relations, [*accepted, late])
-            price = _price(fitted[-1], relations, _PROPOSAL_PENALTY if proposed else _PENALTY)
-            if best is None or cost + price < best[0]:
-                best = cost + price, [*fitted[:-1], replace(fitted[-1], gain=0.5 * (base - cost))]
-        if best is None or base - best[0] < (0.0 if proposed else _MARGIN - _PENALTY):
-            break
-        newest = best[1][-1]
-        least_s = _PROPOSED_S if proposed else max(_NAMED_S, 3.0 * newest.std_s)
-        if abs(newest.delay_s) < least_s:
-            break
-        accepted = best[1]
-    return accepted
+            fitted, cost[frozenset(chosen)] = _fit(relations, [sets[k] for k in chosen])
+            total = cost[frozenset(chosen)] + sum(_price(late, relations, penalty) for late in fitted)
+            if total >= best[0]:
+                continue
+            gains = [cost.get(frozenset(chosen) - {k}, np.inf) - cost[frozenset(chosen)] for k in chosen]
+            named = [replace(late, gain=0.5 * gain) for late, gain in zip(fitted, gains, strict=True)]
+            if all(_is_telling(late, proposed=proposed) for late in named):
+                best = total, named
+    return sorted(best[1], key=lambda late: -late.gain)
+
+
+def _is_telling(late: Late, *, proposed: bool) -> bool:
+    """True for a delay long enough to be named, that the other ones do not explain."""
+    least_s = _PROPOSED_S if proposed else max(_NAMED_S, 3.0 * late.std_s)
+    return abs(late.delay_s) >= least_s and (proposed or 2.0 * late.gain >= _MARGIN)
 
 
 def refined_delays(

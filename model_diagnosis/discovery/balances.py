@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import savgol_filter
 
-from model_diagnosis.discovery.quantities import Balance, Force, Series, Variable
+from model_diagnosis.discovery.quantities import Balance, Force, Series, Variable, smoothed
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S
 from model_diagnosis.replay.equations import errors_of
 from model_diagnosis.replay.replay import Replay
@@ -20,6 +21,7 @@ FloatArray = NDArray[np.float64]
 
 LONGITUDINAL, LATERAL, YAW, WHEEL = "longitudinal force", "lateral force", "yaw moment", "wheel torque"
 _FEWEST_SAMPLES = 300
+_RATE_WINDOW = 5
 _CAR_AT_A_WHEEL = ("speed", "lateral_acceleration", "longitudinal_acceleration", "distance")
 """Variables of the car that a wheel's torque may depend on; its rows are four times those of the car."""
 
@@ -79,10 +81,7 @@ def problems_of(replay: Replay, theta: FloatArray, equations: Sequence[str] | No
     ----------
     theta : (p,) deviations at which the car is replayed
     """
-    drives = [
-        _Drive(errors_of(replay, theta, m), replay.states(theta, m), dict(one.channels), replay.car_at(theta))
-        for m, one in enumerate(manoeuvre.on_one_raster() for manoeuvre in replay.manoeuvres)
-    ]
+    drives = [_drive(replay, theta, m) for m in range(len(replay.manoeuvres))]
     wanted = [LONGITUDINAL, WHEEL, LATERAL, YAW]
     if equations is not None:
         named = [WHEEL if name.startswith(WHEEL) else name for name in equations]
@@ -95,6 +94,18 @@ def problems_of(replay: Replay, theta: FloatArray, equations: Sequence[str] | No
     }
     problems = [makers[name](drives) for name in wanted]
     return [problem for problem in problems if problem is not None]
+
+
+def variables_of(replay: Replay, theta: FloatArray) -> dict[str, Variable]:
+    """Every variable that a term may depend on, of all manoeuvres of a replay at deviations theta, without noise."""
+    drives = [_drive(replay, theta, m) for m in range(len(replay.manoeuvres))]
+    wheels = _wheel_variables(drives, [name for name, *_ in _WHEEL_VARIABLES])
+    return _present([smoothed(one) for one in (*_car_variables(drives, ""), *wheels)])
+
+
+def _drive(replay: Replay, theta: FloatArray, m: int) -> _Drive:
+    channels = dict(replay.manoeuvres[m].on_one_raster().channels)
+    return _Drive(errors_of(replay, theta, m), replay.states(theta, m), channels, replay.car_at(theta))
 
 
 def _error(drives: Sequence[_Drive], name: str) -> tuple[list[_Drive], Series, Series]:
@@ -143,6 +154,12 @@ def _spins(drive: _Drive) -> FloatArray:
     return np.stack([drive.channel(f"wheel_speed_{wheel}") for wheel in WHEELS], axis=1)
 
 
+def _pressure_rate(drive: _Drive) -> FloatArray:
+    """Change of the wheel pressures [Pa/s] by a straight line over 50 ms."""
+    rate: FloatArray = savgol_filter(_pressure(drive), _RATE_WINDOW, 1, deriv=1, delta=SAMPLE_TIME_S, axis=0)
+    return rate
+
+
 _WHEEL_VARIABLES: tuple[tuple[str, str, bool, Callable[[_Drive], FloatArray]], ...] = (
     ("brake_pressure", "Pa", False, _pressure),
     ("brake_disc_temperature", "degC", False, lambda one: one.wheels("brake_disc_temperature")),
@@ -150,6 +167,7 @@ _WHEEL_VARIABLES: tuple[tuple[str, str, bool, Callable[[_Drive], FloatArray]], .
     ("slip_angle", "rad", False, lambda one: one.wheels("slip_angle")),
     ("slip_ratio", "1", False, lambda one: one.wheels("slip_ratio")),
     ("wheel_angle", "rad", True, lambda one: _turned(_spins(one))),
+    ("brake_pressure_rate", "Pa/s", False, _pressure_rate),
 )
 
 
@@ -186,7 +204,7 @@ def _longitudinal(drives: Sequence[_Drive]) -> Problem | None:
         {"brake force": Force(brakes, "brake_torque_factor")},
         "body_longitudinal_force",
     )
-    names = ("brake_pressure", "brake_disc_temperature", "wheel_angle")
+    names = ("brake_pressure", "brake_disc_temperature", "wheel_angle", "brake_pressure_rate")
     car = _car_variables(having, "longitudinal_acceleration")
     return Problem(balance, _present([*car, *_wheel_variables(having, names)]))
 

@@ -4,11 +4,9 @@ import math
 from typing import Any
 
 from model_diagnosis.discovery.candidates import Shape
-from model_diagnosis.discovery.quantities import Balance
 from model_diagnosis.discovery.search import DiscoveredTerm
 from model_diagnosis.extension.extended_vehicle import FoundTerm, Interval
 from model_diagnosis.result import DiscoveredTerm as TermOfAnswer
-from signals.errors import InputError
 from signals.wheels import WHEELS
 from vehicle_model.extension_terms_file import Term
 
@@ -20,6 +18,7 @@ def _factor(shape: Shape, phase: float) -> dict[str, Any]:
         "above": ("at", "exponent"),
         "below": ("at", "exponent"),
         "step": ("at",),
+        "limited": ("at", "width"),
         "relay": ("at", "width"),
         "direction": ("width",),
         "sine": ("wave_number",),
@@ -28,18 +27,9 @@ def _factor(shape: Shape, phase: float) -> dict[str, Any]:
     return factor | ({"phase": phase} if shape.function == "sine" else {})
 
 
-def found_term(balance: Balance, term: DiscoveredTerm) -> FoundTerm:
-    """The term for the car's stack.
-
-    Raises
-    ------
-    InputError
-        If the plant has no place for it.
-    """
+def term_of_the_car(target: str, term: DiscoveredTerm) -> FoundTerm:
+    """The term for the car's stack; ``target`` is one of ``vehicle_model.extension_terms_file``."""
     candidate = term.candidate
-    target = balance.forces[candidate.force].target if candidate.force else balance.target
-    if not target:
-        raise InputError(f"{term.formula}: the plant has no place for a term of this balance")
     phase = math.atan2(term.coefficients[1], term.coefficients[0]) if len(term.coefficients) == 2 else 0.0
     built = Term.model_validate(
         {
@@ -51,7 +41,7 @@ def found_term(balance: Balance, term: DiscoveredTerm) -> FoundTerm:
         }
     )
     evidence = (
-        f"chosen in {term.inclusion:.0%} of half-samples, takes {term.explained:.0%} of the balance's squared error"
+        f"chosen in {term.inclusion:.0%} of half-samples, takes {term.explained:.0%} of the data's squared misfit"
     )
     return FoundTerm(term.formula, [built], [interval_of(term)], evidence, names=term.same_as)
 

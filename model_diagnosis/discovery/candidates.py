@@ -42,6 +42,8 @@ class Shape:
             return np.where(x < self.at, np.maximum(self.at - x, 0.0) ** self.exponent, 0.0)
         if self.function == "step":
             return (x > self.at).astype(np.float64)
+        if self.function == "limited":
+            return np.clip((x - self.at) / self.width, -1.0, 1.0)
         if self.function == "relay":
             return _by_column(x, lambda column: _relay(column, self.at, self.width))
         if self.function == "direction":
@@ -61,6 +63,8 @@ class Shape:
             return f"max({self.at:.4g} - {x}, 0){power}"
         if self.function == "step":
             return f"[{x} > {self.at:.4g}]"
+        if self.function == "limited":
+            return f"limited({x} / {self.width:.4g})"
         if self.function == "relay":
             return f"relay({x}; {self.at - self.width:.4g}, {self.at + self.width:.4g})"
         if self.function == "direction":
@@ -124,7 +128,7 @@ class Candidate:
             return "periodic"
         if functions & {"relay", "direction"}:
             return "hysteresis"
-        if functions & {"above", "below", "step"}:
+        if functions & {"above", "below", "step", "limited"}:
             return "threshold"
         return "product" if len({shape.variable for shape in self.shapes}) > 1 else "power"
 
@@ -138,7 +142,7 @@ class Candidate:
     @property
     def numbers(self) -> int:
         """Numbers inside its shapes that are fitted to data."""
-        kinds = {"above": 1, "below": 1, "step": 1, "relay": 2, "direction": 1, "sine": 1}
+        kinds = {"above": 1, "below": 1, "step": 1, "limited": 1, "relay": 2, "direction": 1, "sine": 1}
         single = len(self.shapes) == 1 and self.shapes[0].function == "power" and self.shapes[0].exponent != 1.0
         return sum(kinds.get(shape.function, 0) for shape in self.shapes) + int(single)
 

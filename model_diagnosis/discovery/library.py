@@ -22,10 +22,12 @@ _THRESHOLDS = (0.1, 0.25, 0.4, 0.55, 0.7, 0.85)
 _STEPS = (0.2, 0.35, 0.5, 0.65, 0.8)
 _WIDTHS = (0.03, 0.08, 0.2)
 _RELAYS = ((0.25, 0.05), (0.5, 0.05), (0.75, 0.05), (0.4, 0.15), (0.6, 0.15), (0.5, 0.25))
+_LIMITS = (0.02, 0.06, 0.2)
 _NOISES = 6.0
 """Half widths of a hysteresis are larger than this many standard deviations of noise, which else is its input."""
 _MOST_PERIODS = 200
 _FEWEST_PERIODS = 2
+_MOST_OF_A_STATE = 20.25
 _PEAKS = 4
 _WHOLE_TURNS = (1.0, 2.0, 3.0, 4.0)
 
@@ -76,6 +78,15 @@ def _hysteresis(variable: Variable) -> Iterator[Shape]:
             yield Shape(variable.name, "relay", at=low + place * (high - low), width=share * (high - low))
 
 
+def _limited(variable: Variable) -> Iterator[Shape]:
+    """Which way a variable goes, level from a size on: what follows the sign of a rate or a slip."""
+    if not variable.signed or variable.cumulative:
+        return
+    largest = max(abs(end) for end in variable.span)
+    for share in _LIMITS:
+        yield Shape(variable.name, "limited", width=share * largest)
+
+
 def _products(variables: Variables) -> Iterator[tuple[Shape, ...]]:
     """Products of two variables, and of the square of one with another."""
     usable = [variable for variable in variables.values() if not variable.cumulative]
@@ -95,7 +106,8 @@ def library(balance: Balance, variables: Variables) -> list[Candidate]:
     shapes: list[tuple[Shape, ...]] = []
     for variable in variables.values():
         if not variable.cumulative:
-            shapes += [(shape,) for shape in (*_powers(variable), *_thresholds(variable), *_hysteresis(variable))]
+            single = (*_powers(variable), *_thresholds(variable), *_hysteresis(variable), *_limited(variable))
+            shapes += [(shape,) for shape in single]
     shapes += list(_products(variables))
     forces = ["", *balance.forces] if balance.target else list(balance.forces)
     candidates = [Candidate(one, force) for force in forces for one in shapes]
@@ -131,7 +143,7 @@ def _peaks(
     grid: FloatArray = np.arange(float(_FEWEST_PERIODS), float(_MOST_PERIODS)) * (2.0 * np.pi / reach)
     if not variable.cumulative:
         # a state passes through its range a few times only: more periods than that are noise
-        grid = 2.0 * np.pi / reach * np.arange(1.0, 8.25, 0.25)
+        grid = 2.0 * np.pi / reach * np.arange(1.0, _MOST_OF_A_STATE, 0.25)
     power = _powers_over(template, grid, balance, variables, residual, root_weights)
     inner = np.flatnonzero((power[1:-1] >= power[:-2]) & (power[1:-1] >= power[2:])) + 1
     best = inner[np.argsort(power[inner])[::-1][:_PEAKS]]

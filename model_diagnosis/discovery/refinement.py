@@ -39,7 +39,7 @@ def refine(candidate: Candidate, variables: Variables, explained: Explained) -> 
             return refined
         square = _along(refined.with_shape(exponent=2.0), "at", low, high, explained)
         return square if explained(square) > explained(refined) else refined
-    if shape.function == "direction":
+    if shape.function in ("direction", "limited"):
         return _along(candidate, "width", 0.7 * shape.width, 2.5 * shape.width, explained)
     if shape.function == "relay":
         return _relay(candidate, explained)

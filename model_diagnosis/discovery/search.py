@@ -197,6 +197,21 @@ class _Search:
             start += count
         return np.concatenate(parts)
 
+    def _alike(self, candidate: Candidate, contenders: Sequence[Candidate]) -> list[int]:
+        """Contenders of the same variables, or that say the same."""
+        return [
+            number
+            for number, one in enumerate(contenders)
+            if one.variables == candidate.variables or self.correlation(one, candidate) > SAME
+        ]
+
+    def inclusion(self, candidate: Candidate, contenders: Sequence[Candidate]) -> float:
+        """Share of half-samples in which a contender, or one that says the same, is worth most."""
+        columns = [self._columns(one) for one in contenders]
+        penalties = np.array([self.penalty(one, part.shape[1]) for one, part in zip(contenders, columns, strict=True)])
+        alike = self._alike(candidate, contenders)
+        return inclusion(self.blocks, self.basis, columns, self.target, penalties, alike, self.random)
+
     def step(self) -> DiscoveredTerm | None:
         """The next term, or None where nothing more is proven."""
         contenders = self.contenders()
@@ -207,14 +222,8 @@ class _Search:
         if drop < self.least_share * before or not self.is_beyond_chance(candidate):
             return None
         columns = [self._columns(one) for one in contenders]
-        place = contenders.index(candidate)
-        alike = [
-            number
-            for number, one in enumerate(contenders)
-            if one.variables == candidate.variables or self.correlation(one, candidate) > SAME
-        ]
-        penalties = np.array([self.penalty(one, part.shape[1]) for one, part in zip(contenders, columns, strict=True)])
-        share = inclusion(self.blocks, self.basis, columns, self.target, penalties, alike, self.random)
+        place, alike = contenders.index(candidate), self._alike(candidate, contenders)
+        share = self.inclusion(candidate, contenders)
         if share < LEAST_INCLUSION:
             return None
         fixed = [self.forced, *[self._columns(one) for one in self.chosen]]
@@ -250,6 +259,19 @@ def _of_periods(
     pair = slice(2 * best, 2 * best + 2)
     scale = float(energy @ amplitudes / energy.sum() / max(amplitudes[best], 1e-300))
     return scale * coefficients[pair], scale * low[pair], scale * high[pair]
+
+
+def contenders_of(balance: Balance, variables: Variables, seed: int = 0) -> list[Candidate]:
+    """Best candidates of a balance, one of a family with its numbers refined, the worth most first; none is proven."""
+    search = _Search(balance, variables, seed, LEAST_SHARE)
+    return [candidate for candidate in search.contenders() if search.worth(candidate) > 0.0]
+
+
+def inclusion_of(candidate: Candidate, balance: Balance, variables: Variables, seed: int = 0) -> float:
+    """Share of complementary half-samples in which a balance chooses a candidate, or one that says the same."""
+    search = _Search(balance, variables, seed, LEAST_SHARE)
+    contenders = list(dict.fromkeys([candidate, *search.contenders()]))
+    return search.inclusion(candidate, contenders)
 
 
 def discover(

@@ -1,49 +1,81 @@
-"""The unknown: what the data show and no effect explains, as a formula, a name where it has one, and a part of the car.
+"""The unknown: what the data show and no effect explains, as a formula weighed against every effect of the catalogue.
 
->>> unknown = discover_unknown(replay, theta, equations=["longitudinal force"])
->>> unknown[0].term.formula, unknown[0].same_as
+Balances propose candidates, as their errors are linear in them; the replay weighs these by the same residuals, with the
+same scatter of all numbers, as any effect. A term is the answer where it beats what the catalogue says.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_coeffs
 
-from model_diagnosis.discovery.balances import LATERAL, LONGITUDINAL, WHEEL, YAW, Problem, problems_of
-from model_diagnosis.discovery.build import found_term, term_of_answer
-from model_diagnosis.discovery.disguise import disguised_as, effect_columns, term_columns
-from model_diagnosis.discovery.search import LEAST_SHARE, DiscoveredTerm, discover
-from model_diagnosis.discovery.term_gain import signal_of, term_residuals
-from model_diagnosis.evidence.priors import is_scattering
+from model_diagnosis.discovery.balances import LATERAL, LONGITUDINAL, WHEEL, YAW, problems_of, variables_of
+from model_diagnosis.discovery.balances import Problem as BalanceProblem
+from model_diagnosis.discovery.build import term_of_answer, term_of_the_car
+from model_diagnosis.discovery.candidates import Candidate
+from model_diagnosis.discovery.courses import WeighedTerm, course_of, target_of
+from model_diagnosis.discovery.dimension import coefficient_exponents, unit_text
+from model_diagnosis.discovery.search import LEAST_INCLUSION, DiscoveredTerm, contenders_of, inclusion_of
+from model_diagnosis.effects.form import FORM_NAMES
+from model_diagnosis.evidence.answer import INTERVAL_STD
+from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
+from model_diagnosis.evidence.groups import canonical_correlation
+from model_diagnosis.evidence.hypotheses import Hypothesis
+from model_diagnosis.evidence.priors import Priors
+from model_diagnosis.evidence.quadratic import Quadratic
+from model_diagnosis.evidence.search import Search, ratios
+from model_diagnosis.evidence.selection import Selection, Selector
 from model_diagnosis.extension.extended_vehicle import FoundTerm
-from model_diagnosis.gain import is_proven, measure_gain
 from model_diagnosis.replay.replay import Replay
-from model_diagnosis.result import Diagnosis, Gain
 from model_diagnosis.result import DiscoveredTerm as TermOfAnswer
-from signals.errors import InputError
 
 FloatArray = NDArray[np.float64]
 
-SHARE_BESIDE_CAUSES = 0.25
-_NOISE_LEFT = float(np.linalg.norm(savgol_coeffs(7, 2)))
-"""Share of white noise that the quadratic fit over 70 ms of a balance's error leaves (Savitzky & Golay 1964): 0.577."""
-_TELLING = 2
-"""Manoeuvres on which a term is compared with the effects of the catalogue."""
+_OF_EACH_BALANCE = 6
+"""Candidates of a balance that are weighed."""
+
+_REFIT_MARGIN = 3.0
+MARGIN = 3.0
+"""Log evidence by which a term has to beat what the catalogue says, its price paid."""
+
+PRICE = float(np.log(500.0))
+"""Log evidence that a term pays for having been sought among some 500 candidates of a balance."""
+
+_SAME = 0.95
+"""Canonical correlation from which a term is an effect of the catalogue in disguise."""
+
+_WRITTEN = {
+    "brake_torque_factor": "brake_torque",
+    "tyre_friction_factor": "tyre_friction",
+    "body_longitudinal_force": "longitudinal force",
+    "body_lateral_force": "lateral force",
+    "yaw_moment": "yaw moment",
+}
+"""What a formula calls a target."""
 
 
 @dataclass(frozen=True)
-class Unknown:
-    """A discovered term.
+class FoundUnknown:
+    """A term that explains the data better than the catalogue.
 
     Attributes
     ----------
-    same_as : effects of the catalogue that it is in disguise, with canonical correlation; empty for something new
+    term : its formula with the coefficient's interval
+    weighed : its course
+    replay : of the search, with columns of all candidates behind its own
+    selection : with the term present, and the fits beside it
+    problem : the evidence's, of that replay
+    evidence : log Bayes factor against "nothing", the price paid
+    same_as : effects of the catalogue that say the same, with canonical correlation
     """
 
     term: DiscoveredTerm
+    weighed: WeighedTerm
+    replay: Replay
     problem: Problem
+    selection: Selection
+    evidence: float
     same_as: Mapping[str, float]
 
     @property
@@ -54,149 +86,179 @@ class Unknown:
     @property
     def for_the_car(self) -> FoundTerm:
         """As the extended vehicle has it."""
-        return found_term(self.problem.balance, self.term)
+        return term_of_the_car(self.weighed.target, self.term)
+
+    def on(self, held_out: Replay) -> Replay:
+        """Another replay of the same vehicle with the term, its course taken from that replay's own drives."""
+        theta = np.array(self.selection.nothing.theta[: len(held_out.columns)])
+        variables = variables_of(held_out, theta)
+        name, target = self.weighed.course.name, self.weighed.target
+        other = course_of(name, self.weighed.candidate, target, variables, held_out, theta)
+        if other is None:
+            return held_out
+        # its own scale would give the coefficient another meaning
+        parts = {
+            part: tuple(self.weighed.unit_of[part] / other.unit_of[part] * one for one in courses)
+            for part, courses in other.course.parts.items()
+        }
+        return held_out.with_terms([replace(other.course, parts=parts)])
+
+    def theta_on(self, held_out: Replay, theta: FloatArray) -> FloatArray:
+        """Deviations of the search's replay as those of ``on(held_out)``."""
+        own = list(self.selection.accepted[0].hypothesis.columns)
+        return np.concatenate([theta[: len(held_out.columns)], theta[own]])
 
 
-def unknown_gain(
-    replay: Replay, theta: FloatArray, found: Sequence[Unknown], held_out: Replay | None, seed: int = 0
-) -> Gain | None:
-    """Gain of the terms on held-out manoeuvres, or by leaving out each manoeuvre in turn; None with one manoeuvre only.
-
-    Parameters
-    ----------
-    replay, held_out : Replay
-        Of the search's manoeuvres and of others, of the same vehicle and effects.
-    """
-    name = found[0].problem.balance.name
-    candidates = [one.term.candidate for one in found]
-    car = replay.car_at(theta)
-    scales = {LONGITUDINAL: float(car["mass"]), LATERAL: float(car["mass"]), YAW: float(car["yaw_inertia"])}
-    scale = scales.get(name, 1.0)
-    known = found[0].problem
-    if held_out is not None and len(held_out.manoeuvres):
-        others = problems_of(held_out, theta, [name])
-        residuals = term_residuals(known, others[0], candidates, scale) if others else []
-    else:
-        residuals = []
-        for m in range(len(known.balance.error) if len(known.balance.error) > 1 else 0):
-            rest = [k for k in range(len(known.balance.error)) if k != m]
-            residuals += term_residuals(known.part(rest), known.part([m]), candidates, scale)
-    if not residuals:
-        return None
-    own = replay.sensor_std(signal_of(name)) if name in (LONGITUDINAL, LATERAL) else 0.0
-    noise = {signal_of(name): own * _NOISE_LEFT}
-    return measure_gain(residuals, noise, seed=seed, cross_validated=held_out is None)
-
-
-def discover_unknown(
+def weigh_unknown(
+    problem: Problem,
     replay: Replay,
-    theta: FloatArray,
-    equations: Sequence[str] | None = None,
-    *,
+    nothing: Fit,
+    at_nothing: Linearisation,
+    needed: float,
+    equations: Sequence[str],
     seed: int = 0,
-    least_share: float = LEAST_SHARE,
-) -> list[Unknown]:
-    """Terms of the first balance that lacks any.
+) -> FoundUnknown | None:
+    """The term that explains most, where its evidence reaches ``needed`` beyond its price; None where none does.
 
     Parameters
     ----------
-    theta : (p,) deviations at which the car is replayed: the nominal numbers within their scatter
-    equations
-        Balances to look at, the most violated first; by default all that the data allow.
+    nothing, at_nothing : fit of the nominal numbers within their scatter, and sensitivities there
+    equations : balances to look at, the most violated first
     """
-    for problem in problems_of(replay, theta, equations):
-        terms = discover(problem.balance, problem.variables, seed=seed, least_share=least_share)
-        if terms:
-            names = _disguises(replay, theta, problem, terms)
-            return [Unknown(term, problem, same_as) for term, same_as in zip(terms, names, strict=True)]
-    return []
+    proposed = _proposals(replay, nothing.theta, equations, seed)
+    if not proposed:
+        return None
+    wider, whole, linearisation, fit = _with_columns(problem, replay, nothing, at_nothing, proposed)
+    first = len(replay.effects)
+    hypotheses = [
+        Hypothesis(first + k, tuple(int(c) for c in np.flatnonzero(wider.owner == first + k)), 1.0)
+        for k in range(len(proposed))
+    ]
+    search = Search(whole, hypotheses, needed + PRICE - _REFIT_MARGIN)
+    selector = Selector(search, needed + PRICE)
+    selection = selector.run(fit, linearisation, most=1)
+    if not selection.accepted:
+        return None
+    own = selection.accepted[0].hypothesis
+    weighed, balance = proposed[own.effect - first]
+    inclusion = inclusion_of(weighed.candidate, balance.balance, balance.variables, seed)
+    if inclusion < LEAST_INCLUSION:
+        return None
+    return FoundUnknown(
+        term=_term(weighed, balance, selection, whole, inclusion),
+        weighed=weighed,
+        replay=wider,
+        problem=whole,
+        selection=selection,
+        evidence=selector.evidence_of([own], selection.fit, selection.linearisation)
+        - selector.evidence_of([], selection.nothing, selection.linearisation)
+        - PRICE,
+        same_as=_same_as(whole, selection, own, first),
+    )
 
 
-def _disguises(
-    replay: Replay, theta: FloatArray, problem: Problem, terms: Sequence[DiscoveredTerm]
-) -> list[dict[str, float]]:
-    """Effects that each term is in disguise, on the manoeuvres that show the first term best."""
-    columns, start = term_columns(terms[0], problem.balance, problem.variables), 0
-    energy = np.zeros(len(replay.manoeuvres))
-    for m, error in enumerate(problem.balance.error):
-        energy[m % len(energy)] += float(np.sum(columns[start : start + len(error)] ** 2))
-        start += len(error)
-    telling = sorted(np.argsort(energy)[::-1][:_TELLING])
-    part = Replay(replay.vehicle, [replay.manoeuvres[m] for m in telling], replay.effects)
-    problems = problems_of(part, theta, [problem.balance.name])
-    if not problems:
-        return [{} for _ in terms]
-    balance, variables = problems[0].balance, problems[0].variables
-    if any(shape.variable not in variables for term in terms for shape in term.candidate.shapes):
-        return [{} for _ in terms]
-    effects = effect_columns(part, theta, balance)
-    return [disguised_as(term, balance, term_columns(term, balance, variables), effects) for term in terms]
+def _proposals(
+    replay: Replay, theta: FloatArray, equations: Sequence[str], seed: int
+) -> list[tuple[WeighedTerm, BalanceProblem]]:
+    """Best candidates of the balances as terms of the replay, each once."""
+    variables = variables_of(replay, theta)
+    found: dict[tuple[str, Candidate], tuple[WeighedTerm, BalanceProblem]] = {}
+    for balance in problems_of(replay, theta, equations):
+        count = 0
+        for candidate in contenders_of(balance.balance, balance.variables, seed):
+            target = target_of(candidate, balance.balance)
+            key = target, replace(candidate, force="")
+            if not target or key in found or count == _OF_EACH_BALANCE:
+                continue
+            name = f"discovered_term_{len(found) + 1}"
+            weighed = course_of(name, candidate, target, variables, replay, theta)
+            if weighed is not None:
+                found[key], count = (weighed, balance), count + 1
+    return list(found.values())
 
 
-def with_unknown(
-    answer: Diagnosis, replay: Replay, theta: FloatArray, held_out: Replay | None, seed: int = 0
-) -> tuple[Diagnosis, list[FoundTerm]]:
-    """An answer with the terms that the data show beyond its causes; the same answer where there are none.
-
-    Terms without a gain on data that took no part are told in a remark and not kept, nor are those that look like a
-    number of the vehicle file which the search has weighed and not named. Beside named causes a term has to
-    take a quarter of what they leave: less is their form, which never fits quite.
-
-    Parameters
-    ----------
-    theta : (p,) deviations of the answer: of its causes, or of the nominals within their scatter where it has none
-    """
-    least = SHARE_BESIDE_CAUSES if answer.causes else LEAST_SHARE
-    found = discover_unknown(replay, theta, _equations(answer.guilty_equations), seed=seed, least_share=least)
-    remarks = [*answer.remarks, *[_remark(one) for one in found if one.same_as]]
-    known = [one for one in found if _is_weighed_already(one, answer, replay)]
-    found = [one for one in found if one not in known]
-    remarks += [f"{one.term.formula} is not kept: a number of the car that was weighed and not named" for one in known]
-    if not found:
-        return answer.model_copy(update={"remarks": remarks}), []
-    gain = unknown_gain(replay, theta, found, held_out, seed)
-    if gain is None or not is_proven(gain):
-        formulas = "; ".join(one.term.formula for one in found)
-        remarks.append(f"an unknown term ({formulas}) shows no gain on data that took no part and is not kept")
-        return answer.model_copy(update={"remarks": remarks}), []
-    terms = []
-    for one in found:
-        try:
-            terms.append(one.for_the_car)
-        except InputError as error:
-            remarks.append(error.message)
-    changes: dict[str, object] = {"discovered_terms": [one.answer for one in found]}
-    if answer.causes:
-        remarks.append(f"beside the causes the discovered terms leave {gain.overall.ratio:.0%} of the balance's error")
-    else:
-        verdict = "effect_found" if answer.verdict == "nothing_found" else answer.verdict
-        changes |= {"verdict": verdict, "gain": gain}
-    return answer.model_copy(update=changes | {"remarks": remarks}), terms
+def _with_columns(
+    problem: Problem,
+    replay: Replay,
+    nothing: Fit,
+    at_nothing: Linearisation,
+    proposed: Sequence[tuple[WeighedTerm, BalanceProblem]],
+) -> tuple[Replay, Problem, Linearisation, Fit]:
+    """Replay, problem, sensitivities and fit of "nothing" with the columns of the proposed terms behind all others."""
+    wider = replay.with_terms([weighed.course for weighed, _ in proposed])
+    known, added = problem.priors, Priors.of(wider.parameters[len(replay.columns) :])
+    priors = Priors(
+        *(
+            np.concatenate([getattr(known, name), getattr(added, name)])
+            for name in ("centre", "nuisance", "effect", "low", "high")
+        )
+    )
+    whole = Problem(wider, priors, problem.whitener)
+    count = len(added.centre)
+    theta = np.concatenate([at_nothing.theta, np.zeros(count)])
+    columns = list(range(len(replay.columns), len(wider.columns)))
+    raw = wider.sensitivities(theta, columns)
+    fresh = whole.whitener.sensitivities([values * added.effect for values in raw])
+    matrices = tuple(np.hstack([old, new]) for old, new in zip(at_nothing.matrices, fresh, strict=True))
+    informations = tuple(
+        (matrix * weight[:, None]).T @ matrix / whole.whitener.temperature
+        for matrix, weight in zip(matrices, at_nothing.weights, strict=True)
+    )
+    linearisation = Linearisation(theta, matrices, at_nothing.weights, informations)
+    fit = replace(
+        nothing,
+        theta=np.concatenate([nothing.theta, np.zeros(count)]),
+        widths=np.concatenate([nothing.widths, added.nuisance]),
+    )
+    return wider, whole, linearisation, fit
 
 
-def _is_weighed_already(one: Unknown, answer: Diagnosis, replay: Replay) -> bool:
-    """True for a term that looks like a number of the vehicle file which scatters, where no such effect is named.
+def _term(
+    weighed: WeighedTerm, balance: BalanceProblem, selection: Selection, problem: Problem, inclusion: float
+) -> DiscoveredTerm:
+    """The term with its coefficients and their 90 % intervals in its own units."""
+    accepted = selection.accepted[0]
+    columns = list(accepted.hypothesis.columns)
+    unit = np.array([weighed.unit_of[part] for part in weighed.course.parts])
+    values = selection.fit.theta[columns] * unit
+    std = np.sqrt(np.diag(accepted.direction.covariance)) * problem.scale[columns] * unit
+    written = _WRITTEN[weighed.target]
+    force = written if weighed.target.endswith("_factor") else ""
+    exponents = coefficient_exponents(weighed.candidate, balance.balance, balance.variables)
+    gained = selection.nothing.misfit - selection.fit.misfit
+    return DiscoveredTerm(
+        balance=written,
+        candidate=replace(weighed.candidate, force=force),
+        coefficients=values,
+        low=values - INTERVAL_STD * std,
+        high=values + INTERVAL_STD * std,
+        unit=unit_text(exponents),
+        inclusion=inclusion,
+        explained=gained / selection.nothing.misfit,
+        same_as=(),
+    )
 
-    The search has weighed that number against its scatter with all signals; one balance alone does not know better.
-    """
-    named = {cause.effect for cause in answer.causes}
-    ordinary = {
-        replay.effects[int(replay.owner[column])].name
-        for column, parameter in enumerate(replay.parameters)
-        if is_scattering(parameter)
-    }
-    return bool(ordinary & set(one.same_as)) and not named & set(one.same_as)
+
+def _same_as(problem: Problem, selection: Selection, own: Hypothesis, catalogue: int) -> dict[str, float]:
+    """Effects of the catalogue whose sensitivities say the same as a term's, the closest first."""
+    information = selection.linearisation.information
+    _, projected = Quadratic(information, np.zeros(len(information))).projected(ratios(problem, ()))
+    found = {}
+    for number, effect in enumerate(problem.replay.effects[:catalogue]):
+        columns = [int(c) for c in np.flatnonzero(problem.replay.owner == number) if projected[c, c] > 0.0]
+        if effect.name in FORM_NAMES or not columns:
+            continue
+        value = max(canonical_correlation(projected, own.columns, [column]) for column in columns)
+        if value > _SAME:
+            found[effect.name] = value
+    return dict(sorted(found.items(), key=lambda entry: -entry[1]))
 
 
-def _equations(guilty: Mapping[str, float]) -> list[str]:
-    """Balances of the car, the most violated first; the wheels' only where they are more violated than all of these."""
-    ranked = sorted((name for name in guilty if name in (LONGITUDINAL, LATERAL, YAW)), key=lambda name: -guilty[name])
-    wheels = max((value for name, value in guilty.items() if name.startswith(WHEEL)), default=0.0)
-    of_the_car = max((guilty[name] for name in ranked), default=0.0)
-    order = ranked or [LONGITUDINAL, LATERAL, YAW]
-    return [*order, WHEEL] if wheels > of_the_car else order
-
-
-def _remark(one: Unknown) -> str:
-    names = ", ".join(f"{name} ({correlation:.2f})" for name, correlation in one.same_as.items())
-    return f"{one.term.formula}: on this data the same as {names}"
+def most_violated(guilty: Mapping[str, float]) -> list[str]:
+    """Balances by how much they are violated, the most first, those of the wheels as one."""
+    sizes: dict[str, float] = {}
+    for name, value in guilty.items():
+        key = WHEEL if name.startswith(WHEEL) else name
+        if key in (LONGITUDINAL, LATERAL, YAW, WHEEL):
+            sizes[key] = max(value, sizes.get(key, 0.0))
+    return sorted(sizes, key=lambda name: -sizes[name]) or [LONGITUDINAL, LATERAL, YAW]

@@ -18,7 +18,10 @@ class ReplayModel(Protocol):
     Lists hold one array per manoeuvre, rows are samples and columns the manoeuvre's compared signals.
     """
 
-    manoeuvres: Sequence[Manoeuvre]
+    @property
+    def manoeuvres(self) -> Sequence[Manoeuvre]:
+        """The manoeuvres."""
+
     effects: tuple[Effect, ...]
     columns: tuple[str, ...]
     parameters: tuple[EffectParameter, ...]

@@ -78,14 +78,20 @@ class Selector:
         self.decisions: list[str] = []
         self.tell = tell or (lambda _step, _share: None)
 
-    def run(self, nothing: Fit, at_nothing: Linearisation, saturated: Linearisation | None = None) -> Selection:
+    def run(
+        self,
+        nothing: Fit,
+        at_nothing: Linearisation,
+        saturated: Linearisation | None = None,
+        most: int = MAXIMUM_EFFECTS,
+    ) -> Selection:
         """Select from the base fit on; ``saturated`` gives further candidates to the first step."""
         chosen: list[Hypothesis] = []
         fit, linearisation = nothing, at_nothing
         stages: list[Stage] = []
         left, needed = -np.inf, self.needed
-        for step in range(MAXIMUM_EFFECTS + 1):
-            self.tell(f"effect {step + 1}", step / (MAXIMUM_EFFECTS + 1))
+        for step in range(most + 1):
+            self.tell(f"effect {step + 1}", step / (most + 1))
             stage = self.search.stage(chosen, fit, linearisation)
             stage = self.search.refit(stage, self.search.candidates(stage, saturated if step == 0 else None))
             stages.append(stage)
@@ -94,7 +100,7 @@ class Selector:
                 nothing = stage.nothing_more
             fit, linearisation = stage.nothing_more, stage.linearisation
             left = stage.best.evidence if stage.best else -np.inf
-            if found is None or step == MAXIMUM_EFFECTS:
+            if found is None or step == most:
                 break
             best, linearisation = found
             fit = best.fit
@@ -189,9 +195,7 @@ class Selector:
                     (self.search.fit_set(trial, linearisation, start) for start in (*candidate.starts, fit.theta)),
                     key=lambda one: one.cost,
                 )
-                gained = self._set_evidence(trial, swapped, linearisation) - self._set_evidence(
-                    chosen, fit, linearisation
-                )
+                gained = self.evidence_of(trial, swapped, linearisation) - self.evidence_of(chosen, fit, linearisation)
                 if gained > 0.0:
                     self.decisions.append(
                         f"swapped {self.name(hypothesis)} for {self.name(candidate.hypothesis)}: {gained:.1f} better"
@@ -213,7 +217,7 @@ class Selector:
         best = sorted(found.values(), key=lambda refit: -refit.evidence)[:SWAPS_TRIED]
         return [Candidate(refit.hypothesis, (refit.fit.theta,)) for refit in best]
 
-    def _set_evidence(self, chosen: Sequence[Hypothesis], fit: Fit, linearisation: Linearisation) -> float:
+    def evidence_of(self, chosen: Sequence[Hypothesis], fit: Fit, linearisation: Linearisation) -> float:
         """Log evidence of a set of effects up to a constant, the Occam factors from one linearisation."""
         quadratic = Quadratic(linearisation.information, np.zeros(len(self.problem.scale)))
         factors = sum(

@@ -34,7 +34,7 @@ def _effective_pressure(p: Record, s: Record, i: int, pressure: float) -> float:
 @njit(cache=True, nogil=True, error_model="numpy")
 def _friction_share(p: Record, s: Record, i: int, omega: float) -> float:
     """Friction of the pads over that of the vehicle file."""
-    share = p.brake_factor[i]
+    share = p.brake_factor[i] * s.brake_share[i]
     over = s.disc_temperature[i] - p.fade_temperature[i]
     if p.fade[i] != 0.0 and over > 0.0:
         share *= max(1.0 - p.fade[i] * over, p.fade_floor[i])

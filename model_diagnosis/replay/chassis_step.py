@@ -145,6 +145,7 @@ def move_in_plane(p: Record, s: Record, step: float) -> None:
         force_x += at_x
         force_y += at_y
         moment += p.wheel_x[i] * at_y - p.wheel_y[i] * at_x + s.aligning[i]
+    force_x, force_y, moment = force_x + s.term_force_x, force_y + s.term_force_y, moment + s.term_yaw_moment
     s.force_x, s.force_y = force_x, force_y
     along, across, turn = force_x * p.inverse_mass, force_y * p.inverse_mass, s.mid_yaw_rate
     s.speed_rate = along + s.mid_lateral_speed * turn - GRAVITY * (p.grade + s.grade)

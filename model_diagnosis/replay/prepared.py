@@ -60,6 +60,7 @@ class Prepared:
 
     Attributes
     ----------
+    number : of the manoeuvre in its replay
     signals : compared signals, the columns of the arrays below
     chosen : outputs of the compiled run, in the order of the first signals; pressures follow them
     measured, weights : (n, c)
@@ -74,6 +75,7 @@ class Prepared:
     phases : when within a sample each signal was taken
     """
 
+    number: int
     manoeuvre: Manoeuvre
     signals: tuple[str, ...]
     chosen: NDArray[np.int64]
@@ -127,7 +129,7 @@ class Prepared:
         return values
 
 
-def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile, car: np.void) -> Prepared:
+def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile, car: np.void, number: int = 0) -> Prepared:
     """Prepare a manoeuvre; ``car`` (``REPLAY_RECORD``) is the vehicle's without deviations.
 
     Raises
@@ -166,6 +168,7 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile, car: np.void) -> Prepare
     pressure_valid = np.stack([known * (manoeuvre.weight(name) > 0.0) for name in PRESSURES], axis=1).astype(np.float64)
     anew = ends_of_gaps(manoeuvre)
     return Prepared(
+        number=number,
         manoeuvre=manoeuvre,
         signals=signals,
         chosen=np.array([OUTPUTS.index(name) for name in moving], dtype=np.int64),

@@ -179,6 +179,11 @@ INPUT_PRESSURE, INPUT_DRIVE_FRONT, INPUT_DRIVE_REAR, INPUT_STEER, INPUT_GRADE, I
 INPUTS = 9
 """Wheel pressures [Pa], drive torque of the axles [N m], road-wheel angle [rad], grade and bank of the road."""
 
+# and of terms that no effect is, where there are any
+INPUT_BRAKE_SHARE, INPUT_GRIP_SHARE, INPUT_FORCE_X, INPUT_FORCE_Y, INPUT_YAW_MOMENT = 9, 13, 17, 18, 19
+INPUTS_WITH_TERMS = 20
+"""Factors on brake torque and friction of the wheels, forces [N] and yaw moment [N m] on the body."""
+
 CORRECTED = ("wheel_speed_fl", "wheel_speed_fr", "wheel_speed_rl", "wheel_speed_rr", "speed", "yaw_rate")
 """Signals on which the observer corrects."""
 

@@ -9,16 +9,17 @@ import os
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from copy import copy
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.effects.conditions import Condition, conditions_of, own_parameter
-from model_diagnosis.effects.effect import Application, Effect, EffectParameter
+from model_diagnosis.effects.effect import Application, Effect
 from model_diagnosis.effects.form import REPLAYED
 from model_diagnosis.effects.sensor_chain import measured_signals, sensor_columns, true_inputs
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from model_diagnosis.replay.columns import Columns
 from model_diagnosis.replay.derived import derive
 from model_diagnosis.replay.deviations import RECORD_COLUMNS, change_record
 from model_diagnosis.replay.hydraulic import (
@@ -29,15 +30,15 @@ from model_diagnosis.replay.hydraulic import (
 )
 from model_diagnosis.replay.inputs import SLOWEST_M_S, read_inputs, reference_speed, with_pressures
 from model_diagnosis.replay.nominal import NominalCar, nominal_car
-from model_diagnosis.replay.parameters import adjusted_parameter, nominal_value, values_of
+from model_diagnosis.replay.parameters import nominal_value, values_of
 from model_diagnosis.replay.parts import Parts, selected
 from model_diagnosis.replay.prepared import PRESSURES, Prepared, prepare
 from model_diagnosis.replay.record import OUTPUTS, SHOWN_STATES
 from model_diagnosis.replay.sensors import own_noise
 from model_diagnosis.replay.sweep import replay_cars
+from model_diagnosis.replay.terms import TermCourse, with_terms
 from model_diagnosis.replay.tyre_shape import shaped_tables
 from model_diagnosis.replay.wheel_pressures import WheelPressures
-from signals.errors import unknown_name
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -115,25 +116,10 @@ class Replay:
         self.vehicle = vehicle
         self.manoeuvres = tuple(manoeuvres)
         self.effects = tuple(effect for effect in effects if effect.application in _REPLAYED)
-        everywhere = tuple(column for effect in self.effects for column in effect.columns)
-        self._place = {column: index for index, column in enumerate(everywhere)}
-        owner = [index for index, effect in enumerate(self.effects) for _ in effect.parameters]
         self._values = values_of(vehicle)
-        parameters = [
-            adjusted_parameter(parameter, self._values, vehicle.scatter)
-            for effect in self.effects
-            for parameter in effect.parameters
-        ]
-        self._everywhere = len(everywhere)
-        self._conditions = conditions_of(everywhere, len(manoeuvres)) if conditions else ()
-        places = [self._place[one.column] for one in self._conditions]
-        self.columns = (*everywhere, *(one.name for one in self._conditions))
-        self.owner = np.array([*owner, *(owner[place] for place in places)], dtype=np.int64)
-        self.parameters: tuple[EffectParameter, ...] = (
-            *parameters,
-            *(own_parameter(parameters[place], one) for place, one in zip(places, self._conditions, strict=True)),
+        self._set_columns(
+            Columns.of(self.effects, self._values, vehicle.scatter, len(self.manoeuvres) if conditions else 0)
         )
-        self._place |= {one.name: self._everywhere + k for k, one in enumerate(self._conditions)}
         self._threads = threads or os.cpu_count() or 1
         self.car: NominalCar = nominal_car(vehicle)
         self.pressures = WheelPressures(vehicle)
@@ -142,9 +128,22 @@ class Replay:
         self._cars = lru_cache(maxsize=_CARS_KEPT)(self._make_car)
         self._tables = lru_cache(maxsize=_CARS_KEPT)(self._make_tables)
         nominal = self._record_at({})[0]
-        self.prepared = self.pressures.settled([prepare(one, vehicle, nominal) for one in self.manoeuvres])
+        self.prepared = self.pressures.settled(
+            [prepare(one, vehicle, nominal, m) for m, one in enumerate(self.manoeuvres)]
+        )
         # fits change what acts on the pressures and what does not in turn
         self._known = [deque[Parts](maxlen=_PARTS_KEPT) for _ in self.prepared]
+
+    def _set_columns(self, columns: Columns) -> None:
+        self._columns, self.effects, self.columns = columns, columns.effects, columns.names
+        self.parameters, self.owner = columns.parameters, columns.owner
+
+    def with_terms(self, terms: Sequence[TermCourse]) -> "Replay":
+        """The same with columns of these terms behind all others."""
+        other = copy(self)
+        other._set_columns(self._columns.with_terms(terms))
+        other._known = [deque[Parts](maxlen=_PARTS_KEPT) for _ in self.prepared]
+        return other
 
     @property
     def tyre_error(self) -> tuple[float, float]:
@@ -249,34 +248,15 @@ class Replay:
         InputError
             If there is no such column.
         """
-        index = self._index(column)
+        index = self._columns.index(column)
         parameter = self.parameters[index]
         nominal, unit = nominal_value(parameter, self._values)
         value = nominal * (1.0 + deviation) if parameter.relative else nominal + deviation
         return value, unit, nominal
 
-    def _index(self, column: str | int) -> int:
-        if isinstance(column, str):
-            if column not in self._place:
-                raise unknown_name("column of the replay", column, self.columns)
-            return self._place[column]
-        return int(column)
-
     def deviations_at(self, theta: FloatArray, m: int | None = None) -> dict[str, float]:
-        """Deviations that are not 0, by column of the catalogue; ``m`` with those that hold in that manoeuvre only."""
-        held = np.array(theta[: self._everywhere], dtype=np.float64)
-        if m is not None and len(theta) == len(self.columns):
-            for one, deviation in zip(self._conditions, theta[self._everywhere :], strict=True):
-                if one.manoeuvre == m:
-                    held[self._place[one.column]] += deviation
-        return {self.columns[int(k)]: float(held[k]) for k in np.flatnonzero(held)}
-
-    def _acts_as(self, column: int, m: int) -> str | None:
-        """Column of the catalogue that a column acts as in manoeuvre ``m``; None where it does not act there."""
-        if column < self._everywhere:
-            return self.columns[column]
-        one: Condition = self._conditions[column - self._everywhere]
-        return one.column if one.manoeuvre == m else None
+        """Deviations that are not 0, by column; ``m`` with those that hold in that manoeuvre only."""
+        return self._columns.deviations(theta, m)
 
     def inputs_at(
         self, deviations: Mapping[str, float], prepared: Prepared, pressures: FloatArray | None
@@ -303,6 +283,7 @@ class Replay:
         """Outputs of the car before the sensors, (n, len(chosen))."""
         cars = self._record_at(deviations)
         inputs, corrected = self.inputs_at(deviations, prepared, pressures), prepared.corrected_at(deviations)
+        inputs = with_terms(inputs, self._columns.terms, deviations, prepared.number)
         out = np.empty((1, prepared.manoeuvre.samples, len(chosen)))
         fixed = (self.tables_at(deviations), inputs, prepared.between, corrected, prepared.valid, prepared.start)
         least = prepared.least if gains.any() else np.zeros_like(prepared.least)
@@ -367,7 +348,7 @@ class Replay:
 
         def derive_column(place: int) -> None:
             column = columns[place]
-            name = self._acts_as(column, m)
+            name = self._columns.acts_as(column, m)
             if name is None or (at_rest and acts_by_valves(name)):
                 return
             if name in analytic and not prepared.drives(name) and not name.startswith(_OBSERVED_SENSORS):

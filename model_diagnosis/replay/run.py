@@ -16,10 +16,16 @@ from model_diagnosis.replay.disturb_step import NOWHERE, disturb
 from model_diagnosis.replay.record import (
     CELLS,
     INPUT_BANK,
+    INPUT_BRAKE_SHARE,
     INPUT_DRIVE_FRONT,
     INPUT_DRIVE_REAR,
+    INPUT_FORCE_X,
+    INPUT_FORCE_Y,
     INPUT_GRADE,
+    INPUT_GRIP_SHARE,
     INPUT_STEER,
+    INPUT_YAW_MOMENT,
+    INPUTS,
     OUTPUTS,
     Record,
 )
@@ -32,6 +38,7 @@ PRE_ROLL_SAMPLES = 80
 GAIN_WHEEL, GAIN_SPEED, GAIN_YAW, GAIN_SPEED_BY_WHEELS, DEAD_BAND_WHEEL = range(5)
 """Fixed gains of the observer per sample; the last one acts where no speed is measured."""
 
+_LEAST_GRIP = 0.05
 _OUTPUTS = len(OUTPUTS)
 _SPEED, _YAW_RATE, _ROLL_RATE = OUTPUTS.index("speed"), OUTPUTS.index("yaw_rate"), OUTPUTS.index("roll_rate")
 
@@ -71,6 +78,18 @@ def take_inputs(
     s.steer = before[INPUT_STEER] + share * (after[INPUT_STEER] - before[INPUT_STEER])
     s.grade = before[INPUT_GRADE] + share * (after[INPUT_GRADE] - before[INPUT_GRADE])
     s.bank = before[INPUT_BANK] + share * (after[INPUT_BANK] - before[INPUT_BANK])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def take_terms(s: Record, before: NDArray[np.float64], after: NDArray[np.float64], share: float) -> None:
+    """Terms of a step between two samples, where the inputs have any."""
+    for i in range(4):
+        b, g = INPUT_BRAKE_SHARE + i, INPUT_GRIP_SHARE + i
+        s.brake_share[i] = max(before[b] + share * (after[b] - before[b]), 0.0)
+        s.grip_share[i] = max(before[g] + share * (after[g] - before[g]), _LEAST_GRIP)
+    s.term_force_x = before[INPUT_FORCE_X] + share * (after[INPUT_FORCE_X] - before[INPUT_FORCE_X])
+    s.term_force_y = before[INPUT_FORCE_Y] + share * (after[INPUT_FORCE_Y] - before[INPUT_FORCE_Y])
+    s.term_yaw_moment = before[INPUT_YAW_MOMENT] + share * (after[INPUT_YAW_MOMENT] - before[INPUT_YAW_MOMENT])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -233,7 +252,7 @@ def replay_run(
     cars : (k,) of ``REPLAY_RECORD``, of which ``car`` runs
     memory : shape (1,), zeros of ``STATE_RECORD``
     tables : (2, 2, CELLS + 1, 2) of the tyres: axle, direction
-    inputs : (n, INPUTS)
+    inputs : (n, INPUTS), or (n, INPUTS_WITH_TERMS)
     between : (n, SUBSTEPS, 4) pressures beside the straight line in the middle of the steps before each sample [Pa]
     measured, valid : (n, 6) signals of ``CORRECTED`` and 1 where they hold
     start : (2,) speed and yaw rate at the first sample
@@ -255,6 +274,11 @@ def replay_run(
     restart[DEAD_BAND_WHEEL] = 0.0
     is_phased = bool(input_phases.any() or corrected_phases.any() or output_phases.any())
     courses = np.ascontiguousarray(between).reshape(between.shape[0] * SUBSTEPS, 4)
+    for i in range(4):
+        s.brake_share[i] = s.grip_share[i] = 1.0
+    has_terms = inputs.shape[1] > INPUTS
+    if has_terms:
+        take_terms(s, inputs[0], inputs[0], 0.0)
     take_inputs(s, inputs[0], inputs[0], 0.0, between[0, 0])
     settle(p, s, start, step)
     write_outputs(p, s, step, full)
@@ -264,6 +288,8 @@ def replay_run(
                 take_inputs_at(s, inputs, input_phases, courses, k - 1.0 + (j + 0.5) / SUBSTEPS)
             else:
                 take_inputs(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS, between[k, j])
+            if has_terms:
+                take_terms(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS)
             move_car(p, s, step)
             if place != NOWHERE:
                 disturb(p, s, place, disturbance[k], step)

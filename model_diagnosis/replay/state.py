@@ -61,6 +61,9 @@ _BODY = (
     "steer",
     "grade",
     "bank",
+    "term_force_x",  # of terms that no effect of the catalogue is
+    "term_force_y",
+    "term_yaw_moment",
 )
 _WHEELS = (
     "spin",
@@ -88,7 +91,9 @@ _WHEELS = (
     "disc_temperature",
     "disc_angle",
     "tyre_heat",  # rise of the tread's temperature
-    "pressure",  # input of this step
+    "pressure",  # inputs of this step
+    "brake_share",
+    "grip_share",
 )
 
 STATE_RECORD = np.dtype(

@@ -98,7 +98,7 @@ def move_wheel(
     slip_y = s.lagged_y[i] + share_of_y * (now_y - s.lagged_y[i])
     s.slip_x[i], s.slip_y[i] = now_x, now_y
 
-    friction = road_friction(p, i, load, s.distance, abs(v_x), s.tyre_heat[i])
+    friction = road_friction(p, i, load, s.distance, abs(v_x), s.tyre_heat[i]) * s.grip_share[i]
     rise = load * p.inverse_load[i] - 1.0
     share_x, share_y = load_share(p.load_loss_x[i], rise), load_share(p.load_loss_y[i], rise)
     inverse_x = p.inverse_peak_x[i] * load_share(p.stiffness_loss_x[i], rise) / share_x
