@@ -105,9 +105,8 @@ def _size(courses: Courses, target: str, replay: Replay, theta: FloatArray) -> f
     square = weight = 0.0
     for m, course in enumerate(courses):
         at_work = _at_work(target, replay, theta, m)
-        values = course if course.ndim == at_work.ndim else course[:, None] * np.ones_like(at_work)
-        if course.ndim > at_work.ndim:
-            values = course.sum(axis=1)
+        values = course if course.ndim <= at_work.ndim else course.sum(axis=1)
+        values = values[:, None] * np.ones_like(at_work) if values.ndim < at_work.ndim else values
         square += float(np.sum((at_work * values) ** 2))
         weight += float(np.sum(at_work**2))
     return float(np.sqrt(square / weight)) if weight > 0.0 else 0.0
