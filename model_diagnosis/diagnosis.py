@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from model_diagnosis.data import check_data, read_manoeuvres
 from model_diagnosis.data.holding_out import held_out_by_time
 from model_diagnosis.data.liveliest import liveliest
-from model_diagnosis.discovery.unknown import MARGIN, FoundUnknown, most_violated, weigh_unknown
+from model_diagnosis.discovery.unknown import MARGIN, FoundUnknown, weigh_unknown
 from model_diagnosis.effects.catalogue import effect as find_effect
 from model_diagnosis.effects.form import FORM_NAMES
 from model_diagnosis.evidence.answer import CauseDetail, causes
@@ -187,7 +187,7 @@ class _Pipeline:
         selection = selector.run(base.nothing, base.at_nothing, base.at_saturated)
         self.clock.begin("unknown")
         guilty = localise(self.replay, base, selection.nothing.theta, self.seed)
-        unknown = self._unknown(base, selector, selection, guilty, needed)
+        unknown = self._unknown(base, selector, selection, needed)
         self.clock.begin("answer")
         chords, starts = (base.at_nothing, base.at_saturated), (selection.fit.theta, base.saturated.theta)
         wrong = compare(base.problem, selection.nothing, chords, starts)
@@ -208,21 +208,14 @@ class _Pipeline:
         answer.timing_s.update(self.clock.seconds)
         return findings
 
-    def _unknown(
-        self, base: Base, selector: Selector, selection: Selection, guilty: Localisation, needed: float
-    ) -> FoundUnknown | None:
+    def _unknown(self, base: Base, selector: Selector, selection: Selection, needed: float) -> FoundUnknown | None:
         """The term that says more than all causes of the catalogue together, or than nothing where there are none."""
-        equations = most_violated(guilty.by_equation_error)
-        found = weigh_unknown(
-            base.problem, self.replay, selection.nothing, base.at_nothing, needed, equations, self.seed
-        )
-        if found is None:
-            return None
         chosen = [one.hypothesis for one in selection.accepted]
         named = selector.evidence_of(chosen, selection.fit, selection.linearisation) - selector.evidence_of(
             [], selection.nothing, selection.linearisation
         )
-        return found if not chosen or found.evidence > named + MARGIN else None
+        least = max(needed, named + MARGIN) if chosen else needed
+        return weigh_unknown(base.problem, self.replay, selection.nothing, base.at_nothing, least, self.seed)
 
     def _priors(self) -> Priors:
         return Priors.of(self.replay.parameters)

@@ -76,7 +76,7 @@ BRAKE_FACTOR, BRAKE, DRIVE, FRICTION_FACTOR, SIDE_FORCE, ROLLING, RADIUS_FACTOR,
     _TYRE_HEATING,
     _PRESSURE_RATE,
 ) = range(len(VARIABLES))
-_POWER, _ABOVE, _BELOW, _STEP, _LIMITED, _SINE, _RELAY, _DIRECTION = range(len(FUNCTIONS))
+_POWER, _ABOVE, _BELOW, _STEP, _EXCESS_SHARE, _LIMITED, _SINE, _RELAY, _DIRECTION = range(len(FUNCTIONS))
 _ODD = 2
 
 _SLOWEST_M_S = 0.5
@@ -198,6 +198,8 @@ def _function(t: Record, k: int, wheel: int, x: float) -> float:
         return _power(at - x, t.exponent[k]) if x < at else 0.0
     if function == _STEP:
         return 1.0 if x > at else 0.0
+    if function == _EXCESS_SHARE:
+        return 1.0 - at / x if x > at else 0.0
     if function == _LIMITED:
         return min(max((x - at) / width, -1.0), 1.0)
     if function == _SINE:

@@ -161,6 +161,13 @@ class Step(_Factor):
     at: float = _threshold()
 
 
+class ExcessShare(_Factor):
+    """1 - at / x above ``at``, else 0: what of x lies above ``at``, as a share of x."""
+
+    function: Literal["excess_share"]
+    at: float = parameter("1", low=1e-9, description="in the variable's unit")
+
+
 class Limited(_Factor):
     """(x - at) / width, held within -1 and 1."""
 
@@ -203,13 +210,14 @@ Factor = Annotated[
     | Annotated[Above, Tag("above")]
     | Annotated[Below, Tag("below")]
     | Annotated[Step, Tag("step")]
+    | Annotated[ExcessShare, Tag("excess_share")]
     | Annotated[Limited, Tag("limited")]
     | Annotated[Sine, Tag("sine")]
     | Annotated[Relay, Tag("relay")]
     | Annotated[Direction, Tag("direction")],
     Discriminator(_function_of),
 ]
-FUNCTIONS = ("power", "above", "below", "step", "limited", "sine", "relay", "direction")
+FUNCTIONS = ("power", "above", "below", "step", "excess_share", "limited", "sine", "relay", "direction")
 
 
 class Term(FileModel):

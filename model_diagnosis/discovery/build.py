@@ -4,10 +4,9 @@ import math
 from typing import Any
 
 from model_diagnosis.discovery.candidates import Shape
-from model_diagnosis.discovery.search import DiscoveredTerm
+from model_diagnosis.discovery.term import DiscoveredTerm
 from model_diagnosis.extension.extended_vehicle import FoundTerm, Interval
 from model_diagnosis.result import DiscoveredTerm as TermOfAnswer
-from signals.wheels import WHEELS
 from vehicle_model.extension_terms_file import Term
 
 
@@ -18,6 +17,7 @@ def _factor(shape: Shape, phase: float) -> dict[str, Any]:
         "above": ("at", "exponent"),
         "below": ("at", "exponent"),
         "step": ("at",),
+        "excess_share": ("at",),
         "limited": ("at", "width"),
         "relay": ("at", "width"),
         "direction": ("width",),
@@ -35,7 +35,7 @@ def term_of_the_car(target: str, term: DiscoveredTerm) -> FoundTerm:
         {
             "target": target,
             "coefficient": term.amplitude,
-            "wheels": "all" if candidate.wheel < 0 else WHEELS[candidate.wheel],
+            "wheels": "all",
             "factors": [_factor(shape, phase) for shape in candidate.shapes],
             "description": term.formula,
         }
@@ -43,7 +43,7 @@ def term_of_the_car(target: str, term: DiscoveredTerm) -> FoundTerm:
     evidence = (
         f"chosen in {term.inclusion:.0%} of half-samples, takes {term.explained:.0%} of the data's squared misfit"
     )
-    return FoundTerm(term.formula, [built], [interval_of(term)], evidence, names=term.same_as)
+    return FoundTerm(term.formula, [built], [interval_of(term)], evidence)
 
 
 def interval_of(term: DiscoveredTerm) -> Interval:
@@ -59,7 +59,7 @@ def term_of_answer(term: DiscoveredTerm) -> TermOfAnswer:
     interval = interval_of(term)
     return TermOfAnswer(
         formula=term.formula,
-        target=term.balance,
+        target=term.target,
         coefficients=[interval.value],
         low=[interval.low],
         high=[interval.high],

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from model_diagnosis.discovery.quantities import Balance, Series, Variable, stacked
+from model_diagnosis.discovery.variables import Variable
 
 FloatArray = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ class Shape:
     wave_number: float = 1.0
 
     def of(self, x: FloatArray) -> FloatArray:
-        """Values for one manoeuvre, (n,) or (n, 4); a sine has its cosine beside it (see `Candidate`)."""
+        """Values for one manoeuvre, (n,) or (n, 4); a sine has its cosine beside it (see `courses`)."""
         if self.symmetry == "none":
             return self._plain(x)
         even = self._plain(np.abs(x))
@@ -42,6 +42,8 @@ class Shape:
             return np.where(x < self.at, np.maximum(self.at - x, 0.0) ** self.exponent, 0.0)
         if self.function == "step":
             return (x > self.at).astype(np.float64)
+        if self.function == "excess_share":
+            return np.maximum(1.0 - self.at / np.maximum(x, 1e-3 * self.at), 0.0)
         if self.function == "limited":
             return np.clip((x - self.at) / self.width, -1.0, 1.0)
         if self.function == "relay":
@@ -63,6 +65,8 @@ class Shape:
             return f"max({self.at:.4g} - {x}, 0){power}"
         if self.function == "step":
             return f"[{x} > {self.at:.4g}]"
+        if self.function == "excess_share":
+            return f"max(1 - {self.at:.4g} / {x}, 0)"
         if self.function == "limited":
             return f"limited({x} / {self.width:.4g})"
         if self.function == "relay":
@@ -103,17 +107,9 @@ def _direction(x: FloatArray, width: float) -> FloatArray:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A product of shapes, alone or times a force of the balance.
-
-    Attributes
-    ----------
-    force : name of the force that it multiplies; empty for an additive term
-    wheel : the one wheel on which it acts; -1 for all
-    """
+    """A product of shapes."""
 
     shapes: tuple[Shape, ...]
-    force: str = ""
-    wheel: int = -1
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -128,7 +124,7 @@ class Candidate:
             return "periodic"
         if functions & {"relay", "direction"}:
             return "hysteresis"
-        if functions & {"above", "below", "step", "limited"}:
+        if functions & {"above", "below", "step", "excess_share", "limited"}:
             return "threshold"
         return "product" if len({shape.variable for shape in self.shapes}) > 1 else "power"
 
@@ -137,12 +133,21 @@ class Candidate:
         """Candidates of a family differ in the numbers of their shapes only."""
         functions = "·".join(sorted(f"{shape.variable}:{shape.function}:{shape.symmetry}" for shape in self.shapes))
         exponents = "" if self.kind != "product" else str(sorted(shape.exponent for shape in self.shapes))
-        return self.force, str(self.wheel), functions, exponents
+        return functions, exponents
 
     @property
     def numbers(self) -> int:
         """Numbers inside its shapes that are fitted to data."""
-        kinds = {"above": 1, "below": 1, "step": 1, "limited": 1, "relay": 2, "direction": 1, "sine": 1}
+        kinds = {
+            "above": 1,
+            "below": 1,
+            "step": 1,
+            "excess_share": 1,
+            "limited": 1,
+            "relay": 2,
+            "direction": 1,
+            "sine": 1,
+        }
         single = len(self.shapes) == 1 and self.shapes[0].function == "power" and self.shapes[0].exponent != 1.0
         return sum(kinds.get(shape.function, 0) for shape in self.shapes) + int(single)
 
@@ -151,7 +156,7 @@ class Candidate:
         """For choosing the simplest of equals: factors, odd exponents, numbers inside."""
         odd = sum(_oddness(shape.exponent) for shape in self.shapes)
         powers = sum(0.25 * abs(shape.exponent - 1.0) for shape in self.shapes)
-        return len(self.shapes) + self.numbers + odd + powers + (0.5 if self.wheel >= 0 else 0.0)
+        return len(self.shapes) + self.numbers + odd + powers
 
     def with_shape(self, **changes: Any) -> "Candidate":
         """The same with other numbers in its one shape."""
@@ -160,8 +165,7 @@ class Candidate:
     @property
     def text(self) -> str:
         """As a formula has it, without coefficient."""
-        parts = ([self.force] if self.force else []) + [shape.text for shape in self.shapes]
-        return " · ".join(parts) or "1"
+        return " · ".join(shape.text for shape in self.shapes)
 
 
 def _oddness(exponent: float) -> float:
@@ -171,56 +175,3 @@ def _oddness(exponent: float) -> float:
 
 
 Variables = Mapping[str, Variable]
-
-
-def columns_of(candidate: Candidate, balance: Balance, variables: Variables) -> FloatArray:
-    """Columns (N, d) of a candidate: one, or sine and cosine of a periodic one (for each manoeuvre where the variable's
-    zero has no meaning)."""
-    periodic = [shape for shape in candidate.shapes if shape.function == "sine"]
-    plain = [_product(candidate, balance, variables, m) for m in range(len(balance.error))]
-    if not periodic:
-        return stacked([_summed(one, candidate.wheel) for one in plain])[:, None]
-    shape = periodic[0]
-    variable = variables[shape.variable]
-    parts = []
-    for m, values in enumerate(variable.values):
-        angle = shape.wave_number * values
-        rest = plain[m]
-        if angle.ndim == 2 and rest.ndim == 1:
-            rest = rest[:, None] / 4.0 if candidate.force else rest[:, None]
-        elif angle.ndim == 1 and rest.ndim == 2:
-            rest = rest.sum(axis=1)
-        waves = [_summed(rest * np.sin(angle), candidate.wheel), _summed(rest * np.cos(angle), candidate.wheel)]
-        parts.append(np.stack(waves, axis=1))
-    if not variable.cumulative:
-        return np.concatenate(parts)
-    blocks = np.zeros((balance.samples, 2 * len(parts)))
-    start = 0
-    for m, part in enumerate(parts):
-        blocks[start : start + len(part), 2 * m : 2 * m + 2] = part
-        start += len(part)
-    return blocks
-
-
-def _product(candidate: Candidate, balance: Balance, variables: Variables, m: int) -> FloatArray:
-    """Force times all shapes but a sine, (n,) or (n, 4)."""
-    force: Series = balance.forces[candidate.force].values if candidate.force else ()
-    value = force[m] if candidate.force else np.ones(len(balance.error[m]))
-    for shape in candidate.shapes:
-        if shape.function == "sine":
-            continue
-        factor = shape.of(variables[shape.variable].values[m])
-        if factor.ndim == 2 and value.ndim == 1:
-            # the force of the car is taken as the wheels' in equal parts; what is additive acts on each wheel
-            value = value[:, None] / 4.0 if candidate.force else value[:, None]
-        elif factor.ndim == 1 and value.ndim == 2:
-            factor = factor[:, None]
-        value = value * factor
-    return value
-
-
-def _summed(values: FloatArray, wheel: int) -> FloatArray:
-    """Sum over the wheels, or one wheel's."""
-    if values.ndim == 1:
-        return values
-    return values[:, wheel] if wheel >= 0 else values.sum(axis=1)

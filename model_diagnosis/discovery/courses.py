@@ -2,14 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.discovery.candidates import Candidate, Variables
-from model_diagnosis.discovery.quantities import Balance
+from model_diagnosis.discovery.variables import variables_of
 from model_diagnosis.replay.replay import Replay
-from model_diagnosis.replay.terms import FACTORS, TERM_TARGETS, TermCourse
+from model_diagnosis.replay.terms import FACTORS, TermCourse
 from signals.wheels import WHEELS
 
 FloatArray = NDArray[np.float64]
@@ -19,6 +20,8 @@ _FACTOR_WIDTH = 0.15
 """Prior width of a factor's change, as a mean square over where it acts: a usual effect of the brakes."""
 _FORCE_WIDTH = 0.03
 """That of an added force, over the car's weight; of a moment, times one metre."""
+_FACTOR_OF = {"brake_torque_factor": "brake_torque", "tyre_friction_factor": "longitudinal_force"}
+"""State of the wheels that a factor acts on."""
 
 
 @dataclass(frozen=True)
@@ -36,49 +39,70 @@ class WeighedTerm:
     unit_of: Mapping[str, float]
 
 
-def target_of(candidate: Candidate, balance: Balance) -> str:
-    """What a candidate of a balance changes in the car; empty where the replay has no place for it."""
-    target = balance.forces[candidate.force].target if candidate.force else balance.target
-    return target if target in TERM_TARGETS else ""
+@dataclass(frozen=True)
+class CourseMaker:
+    """Courses of candidates in one replay.
 
-
-def course_of(
-    name: str, candidate: Candidate, target: str, variables: Variables, replay: Replay, theta: FloatArray
-) -> WeighedTerm | None:
-    """A candidate as a term of the replay; None where its variables are lacking, or a wave's phase has no meaning.
-
-    Parameters
+    Attributes
     ----------
-    theta : (p,) deviations at which torques and forces tell how much each instant counts
+    theta : (p,) deviations at which variables are taken, and torques and forces tell how much each instant counts
     """
-    if any(shape.variable not in variables for shape in candidate.shapes):
-        return None
-    waves = [shape for shape in candidate.shapes if shape.function == "sine"]
-    if any(variables[shape.variable].cumulative for shape in waves):
-        return None
-    count = len(replay.manoeuvres)
-    plain = tuple(_product(candidate, variables, m) for m in range(count))
-    if waves:
-        angles = [waves[0].wave_number * variables[waves[0].variable].values[m] for m in range(count)]
-        parts = {
-            "sine": tuple(_times(one, np.sin(angle)) for one, angle in zip(plain, angles, strict=True)),
-            "cosine": tuple(_times(one, np.cos(angle)) for one, angle in zip(plain, angles, strict=True)),
+
+    replay: Replay
+    theta: FloatArray
+
+    @cached_property
+    def variables(self) -> Variables:
+        """Every variable that a term may depend on."""
+        return variables_of(self.replay, self.theta)
+
+    @cached_property
+    def _at_work(self) -> dict[str, Courses]:
+        """Target -> (n, 4) of each manoeuvre: how much a factor's change counts."""
+        states = [self.replay.states(self.theta, m) for m in range(len(self.replay.manoeuvres))]
+        return {
+            target: tuple(np.stack([one[f"{name}_{wheel}"] for wheel in WHEELS], axis=1) for one in states)
+            for target, name in _FACTOR_OF.items()
         }
-    else:
-        parts = {"coefficient": plain}
-    scaled, unit_of, widths = {}, {}, {}
-    for part, courses in parts.items():
-        size = _size(courses, target, replay, theta)
-        if size == 0.0:
+
+    def of(self, name: str, candidate: Candidate, target: str) -> WeighedTerm | None:
+        """A candidate as a term; None where its variables are lacking or still."""
+        if any(shape.variable not in self.variables for shape in candidate.shapes):
             return None
-        unit = _unit(target, replay)
-        scaled[part] = tuple(unit / size * one for one in courses)
-        unit_of[part], widths[part] = unit / size, _FACTOR_WIDTH if target in FACTORS else 1.0
-    return WeighedTerm(candidate, target, TermCourse(name, target, scaled, widths), unit_of)
+        waves = [shape for shape in candidate.shapes if shape.function == "sine"]
+        count = len(self.replay.manoeuvres)
+        plain = tuple(_product(candidate, self.variables, m) for m in range(count))
+        if waves:
+            wave, values = waves[0].wave_number, self.variables[waves[0].variable].values
+            parts = {
+                "sine": tuple(_times(one, np.sin(wave * x)) for one, x in zip(plain, values, strict=True)),
+                "cosine": tuple(_times(one, np.cos(wave * x)) for one, x in zip(plain, values, strict=True)),
+            }
+        else:
+            parts = {"coefficient": plain}
+        unit = 1.0 if target in FACTORS else _FORCE_WIDTH * 9.81 * float(self.replay.car.record[0]["mass"])
+        scaled, unit_of, widths = {}, {}, {}
+        for part, courses in parts.items():
+            size = self._size(courses, target)
+            if not size > 0.0:
+                return None
+            scaled[part] = tuple(unit / size * one for one in courses)
+            unit_of[part], widths[part] = unit / size, _FACTOR_WIDTH if target in FACTORS else 1.0
+        return WeighedTerm(candidate, target, TermCourse(name, target, scaled, widths), unit_of)
 
-
-def _unit(target: str, replay: Replay) -> float:
-    return 1.0 if target in FACTORS else _FORCE_WIDTH * 9.81 * float(replay.car.record[0]["mass"])
+    def _size(self, courses: Courses, target: str) -> float:
+        """Root mean square over where the target is at work."""
+        square = weight = 0.0
+        for m, course in enumerate(courses):
+            if target in FACTORS:
+                at_work = self._at_work[target][m]
+                values = course if course.ndim == 2 else course[:, None]
+            else:
+                at_work = np.ones(len(course))
+                values = course if course.ndim == 1 else course.sum(axis=1)
+            square += float(np.sum((at_work * values) ** 2))
+            weight += float(np.sum(at_work**2))
+        return float(np.sqrt(square / weight)) if weight > 0.0 else 0.0
 
 
 def _product(candidate: Candidate, variables: Variables, m: int) -> FloatArray:
@@ -87,10 +111,6 @@ def _product(candidate: Candidate, variables: Variables, m: int) -> FloatArray:
     for shape in candidate.shapes:
         if shape.function != "sine":
             value = _times(value, shape.of(variables[shape.variable].values[m]))
-    if candidate.wheel >= 0:
-        only = np.zeros(len(WHEELS))
-        only[candidate.wheel] = 1.0
-        value = (value if value.ndim == 2 else value[:, None]) * only
     return value
 
 
@@ -98,23 +118,3 @@ def _times(one: FloatArray, other: FloatArray) -> FloatArray:
     if one.ndim == other.ndim:
         return one * other
     return one * other[:, None] if one.ndim == 2 else one[:, None] * other
-
-
-def _size(courses: Courses, target: str, replay: Replay, theta: FloatArray) -> float:
-    """Root mean square over where the target is at work."""
-    square = weight = 0.0
-    for m, course in enumerate(courses):
-        at_work = _at_work(target, replay, theta, m)
-        values = course if course.ndim <= at_work.ndim else course.sum(axis=1)
-        values = values[:, None] * np.ones_like(at_work) if values.ndim < at_work.ndim else values
-        square += float(np.sum((at_work * values) ** 2))
-        weight += float(np.sum(at_work**2))
-    return float(np.sqrt(square / weight)) if weight > 0.0 else 0.0
-
-
-def _at_work(target: str, replay: Replay, theta: FloatArray, m: int) -> FloatArray:
-    if target not in FACTORS:
-        return np.ones(replay.manoeuvres[m].samples)
-    states = replay.states(theta, m)
-    name = "brake_torque" if target == "brake_torque_factor" else "longitudinal_force"
-    return np.stack([states[f"{name}_{wheel}"] for wheel in WHEELS], axis=1)

@@ -1,22 +1,23 @@
 """The unknown: what the data show and no effect explains, as a formula weighed against every effect of the catalogue.
 
-Balances propose candidates, as their errors are linear in them; the replay weighs these by the same residuals, with the
-same scatter of all numbers, as any effect. A term is the answer where it beats what the catalogue says.
+Terms are weighed by the same residuals, with the same scatter of all numbers, as any effect, so that mass, drag,
+rolling resistance and pads stand beside every term. A term is the answer where it beats what the catalogue says.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.discovery.balances import LATERAL, LONGITUDINAL, WHEEL, YAW, problems_of, variables_of
-from model_diagnosis.discovery.balances import Problem as BalanceProblem
 from model_diagnosis.discovery.build import term_of_answer, term_of_the_car
-from model_diagnosis.discovery.candidates import Candidate
-from model_diagnosis.discovery.courses import WeighedTerm, course_of, target_of
+from model_diagnosis.discovery.courses import CourseMaker, WeighedTerm
 from model_diagnosis.discovery.dimension import coefficient_exponents, unit_text
-from model_diagnosis.discovery.search import LEAST_INCLUSION, DiscoveredTerm, contenders_of, inclusion_of
+from model_diagnosis.discovery.proposals import Proposal, Proposer, simplest_first
+from model_diagnosis.discovery.screening import Screen
+from model_diagnosis.discovery.term import DiscoveredTerm
+from model_diagnosis.discovery.variables import variables_of
 from model_diagnosis.effects.form import FORM_NAMES
 from model_diagnosis.evidence.answer import INTERVAL_STD
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
@@ -28,19 +29,21 @@ from model_diagnosis.evidence.search import Search, ratios
 from model_diagnosis.evidence.selection import Selection, Selector
 from model_diagnosis.extension.extended_vehicle import FoundTerm
 from model_diagnosis.replay.replay import Replay
+from model_diagnosis.replay.terms import FACTORS
 from model_diagnosis.result import DiscoveredTerm as TermOfAnswer
 
 FloatArray = NDArray[np.float64]
 
-_OF_EACH_BALANCE = 6
-"""Candidates of a balance that are weighed."""
-
-_REFIT_MARGIN = 3.0
+LEAST_INCLUSION = 0.8
+LEAST_EVIDENCE = 50.0
+"""Log evidence that a term needs in any case: forms that differ from the car's explain less (docs/challenge.md)."""
 MARGIN = 3.0
 """Log evidence by which a term has to beat what the catalogue says, its price paid."""
 
-PRICE = float(np.log(500.0))
-"""Log evidence that a term pays for having been sought among some 500 candidates of a balance."""
+_REFITTED = 2
+"""Proposals that are fitted together with all nominal numbers."""
+_LINEAR = 0.8
+"""Share of the evidence needed that a term's sensitivities have to show before it is fitted."""
 
 _SAME = 0.95
 """Canonical correlation from which a term is an effect of the catalogue in disguise."""
@@ -91,9 +94,7 @@ class FoundUnknown:
     def on(self, held_out: Replay) -> Replay:
         """Another replay of the same vehicle with the term, its course taken from that replay's own drives."""
         theta = np.array(self.selection.nothing.theta[: len(held_out.columns)])
-        variables = variables_of(held_out, theta)
-        name, target = self.weighed.course.name, self.weighed.target
-        other = course_of(name, self.weighed.candidate, target, variables, held_out, theta)
+        other = CourseMaker(held_out, theta).of(self.weighed.course.name, self.weighed.candidate, self.weighed.target)
         if other is None:
             return held_out
         # its own scale would give the coefficient another meaning
@@ -115,7 +116,6 @@ def weigh_unknown(
     nothing: Fit,
     at_nothing: Linearisation,
     needed: float,
-    equations: Sequence[str],
     seed: int = 0,
 ) -> FoundUnknown | None:
     """The term that explains most, where its evidence reaches ``needed`` beyond its price; None where none does.
@@ -123,58 +123,48 @@ def weigh_unknown(
     Parameters
     ----------
     nothing, at_nothing : fit of the nominal numbers within their scatter, and sensitivities there
-    equations : balances to look at, the most violated first
+    needed : log evidence, that of what the catalogue says with a margin or the threshold
     """
-    proposed = _proposals(replay, nothing.theta, equations, seed)
-    if not proposed:
+    needed = max(needed, LEAST_EVIDENCE)
+    screen = Screen(problem, replay, nothing, at_nothing)
+    proposals = Proposer(screen, CourseMaker(replay, nothing.theta)).best(needed)
+    worth_a_fit = [one for one in proposals if one.worth > _LINEAR * needed]
+    for proposal in islice(simplest_first(worth_a_fit), _REFITTED):
+        found = _fitted(proposal, proposals, screen, needed, seed)
+        if found is not None:
+            return found
+    return None
+
+
+def _fitted(
+    proposal: Proposal, rivals: Sequence[Proposal], screen: Screen, needed: float, seed: int
+) -> FoundUnknown | None:
+    """The proposal fitted with all nominal numbers; None where it is not stable or not worth what is needed."""
+    prices = np.array([one.evidence - one.worth for one in rivals])
+    inclusion = screen.inclusion([one.term for one in rivals], rivals.index(proposal), prices, seed)
+    if inclusion < LEAST_INCLUSION:
         return None
-    wider, whole, linearisation, fit = _with_columns(problem, replay, nothing, at_nothing, proposed)
-    first = len(replay.effects)
-    hypotheses = [
-        Hypothesis(first + k, tuple(int(c) for c in np.flatnonzero(wider.owner == first + k)), 1.0)
-        for k in range(len(proposed))
-    ]
-    search = Search(whole, hypotheses, needed + PRICE - _REFIT_MARGIN)
-    selector = Selector(search, needed + PRICE)
+    weighed, paid = proposal.term, proposal.evidence - proposal.worth
+    problem, nothing = screen.problem, screen.nothing
+    wider, whole, linearisation, fit = _with_columns(problem, screen.replay, nothing, screen.at_nothing, weighed)
+    catalogue = len(screen.replay.effects)
+    own = Hypothesis(catalogue, tuple(int(c) for c in np.flatnonzero(wider.owner == catalogue)), 1.0)
+    selector = Selector(Search(whole, [own]), needed + paid, is_exact=False)
     selection = selector.run(fit, linearisation, most=1)
     if not selection.accepted:
         return None
-    own = selection.accepted[0].hypothesis
-    weighed, balance = proposed[own.effect - first]
-    inclusion = inclusion_of(weighed.candidate, balance.balance, balance.variables, seed)
-    if inclusion < LEAST_INCLUSION:
-        return None
+    evidence = selector.evidence_of([own], selection.fit, selection.linearisation) - selector.evidence_of(
+        [], selection.nothing, selection.linearisation
+    )
     return FoundUnknown(
-        term=_term(weighed, balance, selection, whole, inclusion),
+        term=_term(weighed, screen.replay, selection, whole, inclusion),
         weighed=weighed,
         replay=wider,
         problem=whole,
         selection=selection,
-        evidence=selector.evidence_of([own], selection.fit, selection.linearisation)
-        - selector.evidence_of([], selection.nothing, selection.linearisation)
-        - PRICE,
-        same_as=_same_as(whole, selection, own, first),
+        evidence=evidence - paid,
+        same_as=_same_as(whole, selection, own, catalogue),
     )
-
-
-def _proposals(
-    replay: Replay, theta: FloatArray, equations: Sequence[str], seed: int
-) -> list[tuple[WeighedTerm, BalanceProblem]]:
-    """Best candidates of the balances as terms of the replay, each once."""
-    variables = variables_of(replay, theta)
-    found: dict[tuple[str, Candidate], tuple[WeighedTerm, BalanceProblem]] = {}
-    for balance in problems_of(replay, theta, equations):
-        count = 0
-        for candidate in contenders_of(balance.balance, balance.variables, seed):
-            target = target_of(candidate, balance.balance)
-            key = target, replace(candidate, force="")
-            if not target or key in found or count == _OF_EACH_BALANCE:
-                continue
-            name = f"discovered_term_{len(found) + 1}"
-            weighed = course_of(name, candidate, target, variables, replay, theta)
-            if weighed is not None:
-                found[key], count = (weighed, balance), count + 1
-    return list(found.values())
 
 
 def _with_columns(
@@ -182,10 +172,10 @@ def _with_columns(
     replay: Replay,
     nothing: Fit,
     at_nothing: Linearisation,
-    proposed: Sequence[tuple[WeighedTerm, BalanceProblem]],
+    weighed: WeighedTerm,
 ) -> tuple[Replay, Problem, Linearisation, Fit]:
-    """Replay, problem, sensitivities and fit of "nothing" with the columns of the proposed terms behind all others."""
-    wider = replay.with_terms([weighed.course for weighed, _ in proposed])
+    """Replay, problem, sensitivities and fit of "nothing" with a term's columns behind all others."""
+    wider = replay.with_terms([weighed.course])
     known, added = problem.priors, Priors.of(wider.parameters[len(replay.columns) :])
     priors = Priors(
         *(
@@ -214,7 +204,7 @@ def _with_columns(
 
 
 def _term(
-    weighed: WeighedTerm, balance: BalanceProblem, selection: Selection, problem: Problem, inclusion: float
+    weighed: WeighedTerm, replay: Replay, selection: Selection, problem: Problem, inclusion: float
 ) -> DiscoveredTerm:
     """The term with its coefficients and their 90 % intervals in its own units."""
     accepted = selection.accepted[0]
@@ -222,20 +212,18 @@ def _term(
     unit = np.array([weighed.unit_of[part] for part in weighed.course.parts])
     values = selection.fit.theta[columns] * unit
     std = np.sqrt(np.diag(accepted.direction.covariance)) * problem.scale[columns] * unit
-    written = _WRITTEN[weighed.target]
-    force = written if weighed.target.endswith("_factor") else ""
-    exponents = coefficient_exponents(weighed.candidate, balance.balance, balance.variables)
+    variables = variables_of(replay, selection.nothing.theta[: len(replay.columns)])
     gained = selection.nothing.misfit - selection.fit.misfit
     return DiscoveredTerm(
-        balance=written,
-        candidate=replace(weighed.candidate, force=force),
+        target=_WRITTEN[weighed.target],
+        is_factor=weighed.target in FACTORS,
+        candidate=weighed.candidate,
         coefficients=values,
         low=values - INTERVAL_STD * std,
         high=values + INTERVAL_STD * std,
-        unit=unit_text(exponents),
+        unit=unit_text(coefficient_exponents(weighed.candidate, weighed.target, variables)),
         inclusion=inclusion,
         explained=gained / selection.nothing.misfit,
-        same_as=(),
     )
 
 
@@ -252,13 +240,3 @@ def _same_as(problem: Problem, selection: Selection, own: Hypothesis, catalogue:
         if value > _SAME:
             found[effect.name] = value
     return dict(sorted(found.items(), key=lambda entry: -entry[1]))
-
-
-def most_violated(guilty: Mapping[str, float]) -> list[str]:
-    """Balances by how much they are violated, the most first, those of the wheels as one."""
-    sizes: dict[str, float] = {}
-    for name, value in guilty.items():
-        key = WHEEL if name.startswith(WHEEL) else name
-        if key in (LONGITUDINAL, LATERAL, YAW, WHEEL):
-            sizes[key] = max(value, sizes.get(key, 0.0))
-    return sorted(sizes, key=lambda name: -sizes[name]) or [LONGITUDINAL, LATERAL, YAW]

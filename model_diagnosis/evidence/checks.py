@@ -85,17 +85,21 @@ class LeaveOneOut:
     least_sum: float
 
     @property
+    def gained(self) -> float:
+        """Sum of the differences."""
+        return float(self.differences.sum())
+
+    @property
     def passed(self) -> bool:
         """Positive in sum but for a tenth of all, and in no exciting manoeuvre below -3 and a tenth of the sum.
 
         What noise does to an effect that is present is no contradiction: where a scatter is narrow, a few per cent of
         the size found change the evidence by more than all that one manoeuvre adds.
         """
-        gained = float(self.differences.sum())
-        allowed = WORST_SHARE * max(gained, self.complete)
+        allowed = WORST_SHARE * max(self.gained, self.complete)
         lowest = np.minimum(WORST_SINGLE_MANOEUVRE - allowed, self.least)
         lowest_sum = min(-WORST_SHARE * max(self.complete, 0.0), self.least_sum)
-        return gained > lowest_sum and not np.any((self.differences < lowest)[self.exciting])
+        return self.gained > lowest_sum and not np.any((self.differences < lowest)[self.exciting])
 
 
 def leave_one_out(

@@ -69,12 +69,23 @@ class Selection:
 
 
 class Selector:
-    """Runs the forward selection of one search."""
+    """Runs the forward selection of one search.
 
-    def __init__(self, search: Search, needed: float, tell: Callable[[str, float], None] | None = None) -> None:
+    ``is_exact`` is False for laws that are known to be approximate, as their variables are measured: neither the heat
+    of their own direction nor a single manoeuvre refuses them, as long as those left out are predicted better in sum.
+    """
+
+    def __init__(
+        self,
+        search: Search,
+        needed: float,
+        tell: Callable[[str, float], None] | None = None,
+        is_exact: bool = True,
+    ) -> None:
         self.search = search
         self.problem: Problem = search.problem
         self.needed = needed
+        self.is_exact = is_exact
         self.decisions: list[str] = []
         self.tell = tell or (lambda _step, _share: None)
 
@@ -135,7 +146,7 @@ class Selector:
                 continue
             own = self._direction(refit.hypothesis, stage.accepted, refit.fit, linearisation)
             left = self._tempered(own, refit.hypothesis, stage.accepted, refit.fit, stage.nothing_more)
-            if left <= needed:
+            if self.is_exact and left <= needed:
                 self.decisions.append(
                     f"refused {self.name(refit.hypothesis)}: {left:.1f} is left of {refit.evidence:.1f}, for what it "
                     f"explains scatters {own.heat:.1f} times as much as noise"
@@ -147,7 +158,7 @@ class Selector:
                 refit.hypothesis.columns,
                 self.problem.scaled(refit.fit.theta),
             )
-            if not check.passed:
+            if not (check.passed or (not self.is_exact and check.gained > 0.0)):
                 self.decisions.append(
                     f"refused {self.name(refit.hypothesis)}: it does not predict the manoeuvres left out "
                     f"(sum {check.differences.sum():.1f}, worst {check.differences.min():.1f})"
