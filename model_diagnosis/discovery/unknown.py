@@ -66,7 +66,7 @@ class FoundUnknown:
     ----------
     term : its formula with the coefficient's interval
     weighed : its course
-    replay : of the search, with columns of all candidates behind its own
+    replay : of the search, with the term's columns behind its own
     selection : with the term present, and the fits beside it
     problem : the evidence's, of that replay
     evidence : log Bayes factor against "nothing", the price paid
@@ -105,9 +105,11 @@ class FoundUnknown:
         return held_out.with_terms([replace(other.course, parts=parts)])
 
     def theta_on(self, held_out: Replay, theta: FloatArray) -> FloatArray:
-        """Deviations of the search's replay as those of ``on(held_out)``."""
+        """Deviations of the search's replay as those of ``on(held_out)``, given with or without the term."""
         own = list(self.selection.accepted[0].hypothesis.columns)
-        return np.concatenate([theta[: len(held_out.columns)], theta[own]])
+        added = {self.replay.columns[column] for column in own}
+        known = sum(column not in added for column in held_out.columns)
+        return np.concatenate([theta[:known], theta[own]])
 
 
 def weigh_unknown(
