@@ -23,6 +23,8 @@ _LIT_SHARE = 0.1
 """Of the largest ratio: what a violated equation spills into others is not lit."""
 _SCATTER_STD = 2.0
 """Ordinary scatter of a number, in its standard deviations, that may explain an equation's error."""
+_NEAR_STD = 1.0
+"""The same for the innovations, which let the rest of the scatter explain what it can."""
 _DRAWS = 4
 
 _FORCES = ("longitudinal force", "lateral force", "yaw moment")
@@ -57,17 +59,18 @@ class Localisation:
 
 
 def localise(replay: Replay, base: Base, theta: FloatArray, seed: int = 0) -> Localisation:
-    """Violated equations: by equation error at theta (p,), the fit of "nothing"; by innovations at the vehicle file."""
+    """Violated equations at the numbers that an ordinary car has: theta (p,), the fit of "nothing", within its scatter.
+
+    The fit of "nothing" itself has shared the guilt already, a wheel's weak brake with its neighbour's strong one; the
+    vehicle file is so far off that what is not linear about it looks like violations too.
+    """
     temperature, manoeuvres = base.problem.whitener.temperature, range(len(replay.manoeuvres))
-    # at the vehicle file: the fit of "nothing" has shared the guilt already, a wheel's weak brake with its neighbour's
-    # strong one, and what is linear about it cannot tell them apart any more
-    file = base.at_neutral.theta
-    innovations = violated_by_innovations(
-        base.problem, base.at_neutral, file, partial(disturbance_answers, replay, file)
-    )
     priors = base.problem.priors
-    reach = _SCATTER_STD * priors.nuisance
-    ordinary = priors.centre + np.clip(theta - priors.centre, -reach, reach)
+    near = _within(priors, theta, _NEAR_STD)
+    innovations = violated_by_innovations(
+        base.problem, base.problem.linearise(near), near, partial(disturbance_answers, replay, near)
+    )
+    ordinary = _within(priors, theta, _SCATTER_STD)
     draws = _scattered(priors, np.random.default_rng(seed))
     errors = [_errors(replay, ordinary, base.saturated.theta, draws, m) for m in manoeuvres]
     return Localisation(
@@ -77,6 +80,12 @@ def localise(replay: Replay, base: Base, theta: FloatArray, seed: int = 0) -> Lo
             for name, one in innovations.items()
         },
     )
+
+
+def _within(priors: Priors, theta: FloatArray, std: float) -> FloatArray:
+    """Theta with no number off by more than so many standard deviations of its scatter."""
+    reach = std * priors.nuisance
+    return np.asarray(priors.centre + np.clip(theta - priors.centre, -reach, reach))
 
 
 def _scattered(priors: Priors, random: np.random.Generator) -> list[FloatArray]:

@@ -37,13 +37,12 @@ class Base:
     problem : with the whitening that stays fixed for all hypotheses
     nothing : fit of the nominal parameters within their scatter
     saturated : fit with every effect allowed
-    at_neutral, at_nothing, at_saturated : sensitivities at the vehicle file and at the two
+    at_nothing, at_saturated : sensitivities at the two
     """
 
     problem: Problem
     nothing: Fit
     saturated: Fit
-    at_neutral: Linearisation
     at_nothing: Linearisation
     at_saturated: Linearisation
 
@@ -81,8 +80,7 @@ def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = No
     nothing, at_nothing = _converged(problem, _cooled(at_nothing, problem), nothing)
     saturated = problem.fit(at_saturated, priors.saturated(), saturated.theta)
     tell("base", 1.0)
-    at_neutral = problem.linearise(neutral, at_file)
-    return Base(problem, nothing, saturated, at_neutral, at_nothing, at_saturated)
+    return Base(problem, nothing, saturated, at_nothing, at_saturated)
 
 
 def forms(replay: ReplayModel, priors: Priors) -> list[Priors]:
