@@ -100,6 +100,13 @@ FAULTS: tuple[PhysicalFault, ...] = (
     PhysicalFault(
         "pump_rate", _H, "hydraulics.pump_rate", 0.2, "weak pump, 0 dead: accumulators fill", "faults/pump_dead",
     ),
+    PhysicalFault(
+        "pump_back_pressure",
+        _H,
+        "hydraulics.pump_back_pressure",
+        0.8,
+        "the running pump leaves this share of an accumulator's pressure behind the outlets",
+    ),
     PhysicalFault("pump_failure", _H, "hydraulics.pump_failure", 1.0, "1: the pump does not run"),
     PhysicalFault(
         "circuit_failure", _H, "hydraulics.first_circuit_failure", 1.0,
