@@ -30,8 +30,9 @@ from model_diagnosis.evidence.selection import Accepted, Selection, Selector
 from model_diagnosis.evidence.structure import are_forced_together
 from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
 from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, compare
+from model_diagnosis.extension.other_car import numbers_of
 from model_diagnosis.findings import Findings
-from model_diagnosis.held_out import gain_of, noise_std
+from model_diagnosis.held_out import gain_of, gain_of_numbers, noise_std
 from model_diagnosis.localisation import Localisation, localise, place_remarks
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.next_manoeuvre import next_manoeuvre
@@ -203,7 +204,7 @@ class _Pipeline:
             search, selection, details, wrong if is_wrong else None, shown, guilty, needed, unknown
         )
         answer.next_manoeuvre = following
-        findings = self._findings(answer, base, selection, search, unknown)
+        findings = self._findings(answer, base, selection, search, unknown, wrong)
         self.clock.begin("")
         answer.timing_s.update(self.clock.seconds)
         return findings
@@ -271,8 +272,11 @@ class _Pipeline:
         if unknown:
             held_out = unknown.on(self.held_out) if self.held_out else None
             gain = gain_of(unknown.problem, unknown.selection, held_out, self.seed, unknown.theta_on)
+        verdict = verdict_of(found, terms, self.faults, wrong, shown.insufficient, self._nameable)
+        if wrong is not None and wrong.theta is not None and verdict == "wrong_vehicle":
+            gain = gain_of_numbers(selection.nothing.theta, wrong.theta, self.held_out, self.seed)
         return Diagnosis(
-            verdict=verdict_of(found, terms, self.faults, wrong, shown.insufficient, self._nameable),
+            verdict=verdict,
             data_faults=self.faults,
             causes=found,
             discovered_terms=terms,
@@ -308,10 +312,19 @@ class _Pipeline:
         return remarks
 
     def _findings(
-        self, answer: Diagnosis, base: Base, selection: Selection, search: Search, unknown: FoundUnknown | None
+        self,
+        answer: Diagnosis,
+        base: Base,
+        selection: Selection,
+        search: Search,
+        unknown: FoundUnknown | None,
+        wrong: WrongVehicle,
     ) -> Findings:
         replay, held_out = self.replay, self.held_out
         theta = beyond = selection.fit.theta if answer.causes else np.zeros(len(replay.columns))
+        is_other_car = answer.verdict == "wrong_vehicle" and wrong.theta is not None
+        if is_other_car and wrong.theta is not None:
+            theta = beyond = wrong.theta
         if unknown:
             replay, theta = unknown.replay, unknown.selection.fit.theta
             if held_out is not None:
@@ -335,4 +348,5 @@ class _Pipeline:
             },
             logs=self.logs,
             terms=[unknown.for_the_car] if unknown else [],
+            numbers=numbers_of(self.replay, wrong, answer.gain) if is_other_car else [],
         )

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.extension.extended_vehicle import FoundTerm
+from model_diagnosis.extension.extended_vehicle import FoundEffect, FoundTerm
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.result import Diagnosis
 
@@ -58,6 +58,7 @@ class Findings:
     evidence : effect -> log Bayes factor against "nothing" from the sensitivities, for every effect that was tested
     logs : files as given
     terms : discovered terms as the extended vehicle takes them
+    numbers : of a wrong vehicle, the numbers that the data say, as the extended vehicle takes them
     """
 
     diagnosis: Diagnosis
@@ -67,3 +68,4 @@ class Findings:
     evidence: Mapping[str, float] = field(default_factory=dict)
     logs: Sequence[str] = ()
     terms: Sequence[FoundTerm] = ()
+    numbers: Sequence[FoundEffect] = ()

@@ -40,6 +40,14 @@ def gain_of(
     return measure_gain(residuals, noise_std(problem.replay), seed=seed, cross_validated=True)
 
 
+def gain_of_numbers(refit: FloatArray, after: FloatArray, held_out: Replay | None, seed: int) -> Gain | None:
+    """Gain of other numbers ``after`` (p,) on the held-out replay, beside a ``refit`` (p,) within the scatter."""
+    if held_out is None or not len(held_out.manoeuvres):
+        return None
+    residuals = held_out_residuals(held_out, np.zeros(len(after)), after, refit)
+    return measure_gain(residuals, noise_std(held_out), seed=seed)
+
+
 def noise_std(replay: Replay) -> dict[str, float]:
     """Signal -> own noise of its sensor."""
     return {

@@ -25,13 +25,13 @@ def write_extension(findings: Findings, path: Path, vehicle: VehicleFile, vehicl
     from vehicle_model.extension_file import Provenance
 
     diagnosis = findings.diagnosis
-    if not diagnosis.causes and not findings.terms:
+    if not diagnosis.causes and not findings.terms and not findings.numbers:
         return diagnosis
     if diagnosis.gain is None or not is_proven(diagnosis.gain):
         why = "no data is left to measure a gain on" if diagnosis.gain is None else "no gain on data that took no part"
         return _remarked(diagnosis, [f"no extended vehicle file: {why}"])
     provenance = Provenance(data=hashes_of_logs(_files(findings.logs)), versions=versions())
-    found = [_found(cause, diagnosis) for cause in accepted(diagnosis)]
+    found = [_found(cause, diagnosis) for cause in accepted(diagnosis)] or findings.numbers
     extensions, remarks = extensions_of(vehicle, found, findings.terms, provenance)
     if not extensions:
         return _remarked(diagnosis, remarks)

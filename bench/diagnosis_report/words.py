@@ -66,7 +66,9 @@ def headline(diagnosis: Diagnosis) -> str:
             faults = _and(list(dict.fromkeys(f"{plain(f.kind)} in {f.channel}" for f in diagnosis.data_faults)))
             return f"The data has a fault, the car has none that shows: {faults}."
         case "wrong_vehicle":
-            return "Several parameters are far off at once: this is probably not the car of the vehicle file."
+            said = "Several parameters are far off at once: this is probably not the car of the vehicle file."
+            own = " The extended vehicle file has the numbers that the data say."
+            return said + (own if diagnosis.extension_file else "")
         case "insufficient_data":
             return "This data cannot answer the question."
 

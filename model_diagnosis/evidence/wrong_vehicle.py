@@ -42,11 +42,17 @@ class WrongVehicle:
     evidence : log Bayes factor of the wide scatter against "nothing"
     far_off : columns of nominal parameters beyond four times their scatter and a tenth of their value, farthest first
     deviations : how far, in units of the scatter
+    theta : (p,) fit of that other car; None where the replay has no nominal numbers
+    numbers : columns of the numbers that make the car
+    std : of these, standard deviation of what the fit says
     """
 
     evidence: float
     far_off: tuple[int, ...]
     deviations: tuple[float, ...]
+    theta: FloatArray | None = None
+    numbers: tuple[int, ...] = ()
+    std: tuple[float, ...] = ()
 
     def beats(self, selected_evidence: float) -> bool:
         """True if the data speaks for another car rather than for the selected effects."""
@@ -90,12 +96,13 @@ def compare(
     near = min((problem.fit(one, usual, start) for one in linearisations for start in starts), key=_cost)
     fresh = problem.linearise(near.theta)
     fits = [problem.fit(fresh, widths[factor], near.theta) for factor in WIDENINGS]
-    evidences = [
+    directions = [
         own_direction(
             problem, fresh, fit.theta, columns, problem.priors.nuisance / problem.scale, widths[factor] / problem.scale
-        ).tempered(nothing.cost - fit.cost)
+        )
         for fit, factor in zip(fits, WIDENINGS, strict=True)
     ]
+    evidences = [direction.tempered(nothing.cost - fit.cost) for direction, fit in zip(directions, fits, strict=True)]
     best = int(np.argmax(evidences))
     evidence = float(np.logaddexp.reduce(evidences) - np.log(len(WIDENINGS)))
     deviation = fits[best].theta - problem.priors.centre
@@ -105,7 +112,15 @@ def compare(
         for column in columns[np.argsort(-np.abs(off[columns]))]
         if abs(off[column]) > FAR_OFF and abs(deviation[column]) > LEAST_SHARE and is_of_data_sheet(problem, column)
     ]
-    return WrongVehicle(evidence, tuple(order), tuple(float(off[column]) for column in order))
+    std = np.sqrt(np.diag(directions[best].covariance)) * problem.scale[columns]
+    return WrongVehicle(
+        evidence,
+        tuple(order),
+        tuple(float(off[column]) for column in order),
+        fits[best].theta,
+        tuple(int(column) for column in columns),
+        tuple(float(one) for one in std),
+    )
 
 
 def _cost(fit: Fit) -> float:
