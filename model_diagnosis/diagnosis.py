@@ -322,7 +322,7 @@ class _Pipeline:
     ) -> Findings:
         replay, held_out = self.replay, self.held_out
         theta = beyond = selection.fit.theta if answer.causes else np.zeros(len(replay.columns))
-        is_other_car = answer.verdict == "wrong_vehicle" and wrong.theta is not None
+        is_other_car = answer.verdict == "wrong_vehicle"
         if is_other_car and wrong.theta is not None:
             theta = beyond = wrong.theta
         if unknown:

@@ -19,7 +19,6 @@ def _factor(shape: Shape, phase: float) -> dict[str, Any]:
         "step": ("at",),
         "excess_share": ("at",),
         "limited": ("at", "width"),
-        "relay": ("at", "width"),
         "direction": ("width",),
         "sine": ("wave_number",),
     }[shape.function]

@@ -46,8 +46,6 @@ class Shape:
             return np.maximum(1.0 - self.at / np.maximum(x, 1e-3 * self.at), 0.0)
         if self.function == "limited":
             return np.clip((x - self.at) / self.width, -1.0, 1.0)
-        if self.function == "relay":
-            return _by_column(x, lambda column: _relay(column, self.at, self.width))
         if self.function == "direction":
             return _by_column(x, lambda column: _direction(column, self.width))
         raise ValueError(f"found the function {self.function!r}, allowed: one without a phase")
@@ -69,8 +67,6 @@ class Shape:
             return f"max(1 - {self.at:.4g} / {x}, 0)"
         if self.function == "limited":
             return f"limited({x} / {self.width:.4g})"
-        if self.function == "relay":
-            return f"relay({x}; {self.at - self.width:.4g}, {self.at + self.width:.4g})"
         if self.function == "direction":
             return f"direction({x}; {self.width:.4g})"
         return f"sin({self.wave_number:.4g} {x})"
@@ -80,19 +76,6 @@ def _by_column(x: FloatArray, function: Callable[[FloatArray], FloatArray]) -> F
     if x.ndim == 1:
         return function(x)
     return np.stack([function(np.ascontiguousarray(x[:, i])) for i in range(x.shape[1])], axis=1)
-
-
-@njit(cache=True)
-def _relay(x: FloatArray, at: float, width: float) -> FloatArray:
-    result = np.empty_like(x)
-    held = -1.0
-    for k in range(len(x)):
-        if x[k] > at + width:
-            held = 1.0
-        elif x[k] < at - width:
-            held = -1.0
-        result[k] = held
-    return result
 
 
 @njit(cache=True)
@@ -122,7 +105,7 @@ class Candidate:
         functions = {shape.function for shape in self.shapes}
         if "sine" in functions:
             return "periodic"
-        if functions & {"relay", "direction"}:
+        if "direction" in functions:
             return "hysteresis"
         if functions & {"above", "below", "step", "excess_share", "limited"}:
             return "threshold"
@@ -144,7 +127,6 @@ class Candidate:
             "step": 1,
             "excess_share": 1,
             "limited": 1,
-            "relay": 2,
             "direction": 1,
             "sine": 1,
         }

@@ -26,7 +26,7 @@ def _exponents(unit: str) -> list[float]:
 def _of_factors(candidate: Candidate, variables: Mapping[str, Variable]) -> list[float]:
     total = [0.0] * len(_BASE)
     for shape in candidate.shapes:
-        if shape.function in ("step", "excess_share", "limited", "relay", "direction", "sine"):
+        if shape.function in ("step", "excess_share", "limited", "direction", "sine"):
             continue
         for k, exponent in enumerate(_exponents(variables[shape.variable].unit)):
             total[k] += exponent * shape.exponent

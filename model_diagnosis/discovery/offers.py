@@ -31,9 +31,15 @@ _WAVES_OF = ("speed", "brake_pressure", "steering_wheel_angle", "brake_disc_temp
 """Variables that a periodic term may go over: what passes through its range smoothly."""
 _MOST_PERIODS = 20
 _PLACES = (0.3, 0.6)
+"""Thresholds, over a variable's span; like the next three only where a search begins."""
 _LIMITS = (0.04, 0.15)
+"""Half widths of a limited slope, over the largest magnitude."""
 _WIDTHS = (0.04, 0.12)
+"""Half widths within which a direction turns round, over the span."""
 _SHARES_FROM = (0.1, 0.25, 0.5)
+"""Thresholds of what lies above as a share, over the largest value."""
+_PLACE_STEP, _WIDTH_FACTOR, _PERIOD_STEP = 0.07, 1.5, 0.2
+"""Distance of neighbours at reach 1: of a place over the span, of widths by a factor, of the periods in the span."""
 
 
 def _variables_for(target: str, variables: Variables) -> list[Variable]:
@@ -132,14 +138,14 @@ def neighbours(candidate: Candidate, variables: Variables, reach: float) -> list
     if shape.function in ("above", "below", "step", "excess_share"):
         if shape.symmetry != "none":
             low, high = 0.0, max(abs(low), abs(high))
-        step = 0.07 * reach * (high - low)
+        step = _PLACE_STEP * reach * (high - low)
         places = (shape.at + k * step for k in (-3, -2, -1, 1, 2, 3))
         return [candidate.with_shape(at=at) for at in places if low + 0.02 * (high - low) < at < high]
     if shape.function in ("limited", "direction"):
-        return [candidate.with_shape(width=shape.width * 1.5 ** (k * reach)) for k in (-3, -2, -1, 1, 2, 3)]
+        return [candidate.with_shape(width=shape.width * _WIDTH_FACTOR ** (k * reach)) for k in (-3, -2, -1, 1, 2, 3)]
     if shape.function == "sine":
         once = 2.0 * np.pi / (high - low)
-        numbers = (shape.wave_number + 0.2 * reach * once * k for k in (-3, -2, -1, 1, 2, 3))
+        numbers = (shape.wave_number + _PERIOD_STEP * reach * once * k for k in (-3, -2, -1, 1, 2, 3))
         # less than one period is no periodic term
         return [candidate.with_shape(wave_number=one) for one in numbers if one >= once]
     return []

@@ -56,7 +56,7 @@ class Proposer:
         rough = self._weighed(
             (target, offer) for target in TERM_TARGETS for offer in first_offers(target, self.maker.variables)
         )
-        if not rough or rough[0].worth < _ROUGH * needed - (1.0 - _ROUGH) * PRICE:
+        if not rough or rough[0].evidence < _ROUGH * (needed + PRICE):
             return []
         targets = list(dict.fromkeys(one.term.target for one in rough))[:2]
         self._weighed((target, offer) for target in targets for offer in further_offers(target, self.maker.variables))

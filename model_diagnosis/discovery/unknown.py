@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.discovery.build import term_of_answer, term_of_the_car
+from model_diagnosis.discovery.candidates import Variables
 from model_diagnosis.discovery.courses import CourseMaker, WeighedTerm
 from model_diagnosis.discovery.dimension import coefficient_exponents, unit_text
 from model_diagnosis.discovery.proposals import Proposal, Proposer, simplest_first
 from model_diagnosis.discovery.screening import Screen
 from model_diagnosis.discovery.term import DiscoveredTerm
-from model_diagnosis.discovery.variables import variables_of
 from model_diagnosis.effects.form import FORM_NAMES
 from model_diagnosis.evidence.answer import INTERVAL_STD
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
@@ -36,7 +36,7 @@ FloatArray = NDArray[np.float64]
 
 LEAST_INCLUSION = 0.8
 LEAST_EVIDENCE = 50.0
-"""Log evidence that a term needs in any case: forms that differ from the car's explain less (docs/challenge.md)."""
+"""Log evidence that a term needs in any case: on healthy cars the best one reached 40 (docs/diagnosis_extension.md)."""
 MARGIN = 3.0
 """Log evidence by which a term has to beat what the catalogue says, its price paid."""
 
@@ -129,24 +129,26 @@ def weigh_unknown(
     """
     needed = max(needed, LEAST_EVIDENCE)
     screen = Screen(problem, replay, nothing, at_nothing)
-    proposals = Proposer(screen, CourseMaker(replay, nothing.theta)).best(needed)
+    maker = CourseMaker(replay, nothing.theta)
+    proposals = Proposer(screen, maker).best(needed)
     worth_a_fit = [one for one in proposals if one.worth > _LINEAR * needed]
     for proposal in islice(simplest_first(worth_a_fit), _REFITTED):
-        found = _fitted(proposal, proposals, screen, needed, seed)
+        found = _fitted(proposal, proposals, screen, maker.variables, needed, seed)
         if found is not None:
             return found
     return None
 
 
 def _fitted(
-    proposal: Proposal, rivals: Sequence[Proposal], screen: Screen, needed: float, seed: int
+    proposal: Proposal, rivals: Sequence[Proposal], screen: Screen, variables: Variables, needed: float, seed: int
 ) -> FoundUnknown | None:
     """The proposal fitted with all nominal numbers; None where it is not stable or not worth what is needed."""
     prices = np.array([one.evidence - one.worth for one in rivals])
     inclusion = screen.inclusion([one.term for one in rivals], rivals.index(proposal), prices, seed)
     if inclusion < LEAST_INCLUSION:
         return None
-    weighed, paid = proposal.term, proposal.evidence - proposal.worth
+    course = replace(proposal.term.course, name="discovered_term")
+    weighed, paid = replace(proposal.term, course=course), proposal.evidence - proposal.worth
     problem, nothing = screen.problem, screen.nothing
     wider, whole, linearisation, fit = _with_columns(problem, screen.replay, nothing, screen.at_nothing, weighed)
     catalogue = len(screen.replay.effects)
@@ -159,7 +161,7 @@ def _fitted(
         [], selection.nothing, selection.linearisation
     )
     return FoundUnknown(
-        term=_term(weighed, screen.replay, selection, whole, inclusion),
+        term=_term(weighed, variables, selection, whole, inclusion),
         weighed=weighed,
         replay=wider,
         problem=whole,
@@ -206,7 +208,7 @@ def _with_columns(
 
 
 def _term(
-    weighed: WeighedTerm, replay: Replay, selection: Selection, problem: Problem, inclusion: float
+    weighed: WeighedTerm, variables: Variables, selection: Selection, problem: Problem, inclusion: float
 ) -> DiscoveredTerm:
     """The term with its coefficients and their 90 % intervals in its own units."""
     accepted = selection.accepted[0]
@@ -214,7 +216,6 @@ def _term(
     unit = np.array([weighed.unit_of[part] for part in weighed.course.parts])
     values = selection.fit.theta[columns] * unit
     std = np.sqrt(np.diag(accepted.direction.covariance)) * problem.scale[columns] * unit
-    variables = variables_of(replay, selection.nothing.theta[: len(replay.columns)])
     gained = selection.nothing.misfit - selection.fit.misfit
     return DiscoveredTerm(
         target=_WRITTEN[weighed.target],

@@ -9,7 +9,7 @@
 import hashlib
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -68,7 +68,6 @@ class FoundTerm:
     intervals: Sequence[Interval]
     evidence: str = ""
     probability: float | None = None
-    names: Sequence[str] = field(default=())
 
 
 def hash_of_vehicle(vehicle: VehicleFile) -> str:
@@ -135,7 +134,6 @@ def extensions_of(
                     for number, interval in enumerate(term.intervals)
                 },
                 probability=term.probability,
-                group=list(term.names),
                 evidence=term.evidence,
                 provenance=provenance,
             )

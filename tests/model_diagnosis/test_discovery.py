@@ -120,7 +120,6 @@ STEER = np.concatenate([np.linspace(0.0, 1.0, 300), np.linspace(1.0, -0.8, 500),
         Shape("steering_wheel_angle", "excess_share", at=0.2),
         Shape("steering_wheel_angle", "excess_share", "odd", at=0.2),
         Shape("steering_wheel_angle", "limited", at=0.1, width=0.3),
-        Shape("steering_wheel_angle", "relay", at=0.1, width=0.3),
         Shape("steering_wheel_angle", "direction", width=0.2),
     ],
 )
