@@ -87,17 +87,39 @@ def test_labels_stay_out_of_the_case_folders(tmp_path: Path) -> None:
     assert all(name not in path.read_text() for path in files)
 
 
-def test_a_label_tells_the_physical_value_scatter_included() -> None:
-    """Mass off by its scatter and by the effect: (1 + s d) (1 + effect)."""
+def test_the_size_of_an_effect_counts_from_the_data_sheet() -> None:
+    """At least four scatters off it, whatever the number scatters by; every other number keeps its own draw."""
+    seen = set()
     for index in range(400):
         case = Case(21, index, "single", "first")
-        if case.draw.effects[0].effect.name == "mass_change":
-            label = case.label()
-            deviation = case.draw.effects[0].deviation
-            expected = (1.0 + 0.03 * case.deviations["mass"]) * (1.0 + deviation)
-            assert label["effects"][0]["value"] == pytest.approx(expected)
-            return
-    pytest.fail("400 singles without a changed mass")
+        hidden = case.draw.effects[0]
+        name = hidden.effect.name
+        if name in seen or name not in _VALUES:
+            continue
+        seen.add(name)
+        assert hidden.units >= 4.0
+        assert case.label()["effects"][0]["value"] == pytest.approx(_VALUES[name](hidden.deviation))
+        car, chain = case.car_in(SIX[0])
+        changed = {key for key in case.car if not np.array_equal(car[key], case.car[key])}
+        changed |= {key for key in case.chain if not np.array_equal(chain[key], case.chain[key])}
+        assert changed == _CHANGED[name]
+    assert seen == set(_VALUES)
+
+
+_VALUES = {
+    "mass_change": lambda deviation: 1.0 + deviation,
+    "tyre_friction": lambda deviation: 1.0 + deviation,
+    "tyre_relaxation_length": lambda deviation: 0.2 + deviation,
+    "brake_pad_pressure": lambda deviation: deviation,
+    "gyro_offset": lambda deviation: deviation,
+}
+_CHANGED = {
+    "mass_change": {"mass"},
+    "tyre_friction": {"peak_x", "peak_y", "wheel_friction"},
+    "tyre_relaxation_length": {"relaxation_x", "relaxation_y"},
+    "brake_pad_pressure": {"pad_pressure_exponent"},
+    "gyro_offset": {"gyro_offset"},
+}
 
 
 def test_expected_evidence_of_a_shift_within_the_scatter_is_bounded_by_its_prior() -> None:

@@ -16,6 +16,7 @@ HYDRAULICS_AND_CHASSIS: tuple[HiddenEffect, ...] = (
         4,
         "inlet_conductance",
         ("master_pressure",),
+        also=("build_time",),
     ),
     HiddenEffect(
         "outlet_valve_conductance",
@@ -29,6 +30,7 @@ HYDRAULICS_AND_CHASSIS: tuple[HiddenEffect, ...] = (
         4,
         "outlet_conductance",
         ("master_pressure",),
+        also=("dump_time",),
     ),
     HiddenEffect(
         "inlet_valve_delay",

@@ -4,13 +4,17 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hidden_effects.car import WHEELS, Numbers
+from hidden_effects.car import DATA_SHEET, WHEELS, Number, Numbers
 from hidden_effects.data_faults import FAULTS, Fault
 from hidden_effects.effects import EFFECTS, HiddenEffect
 from hidden_effects.manoeuvres import SIX
+from hidden_effects.sensors import SENSOR_SHEET
 from hidden_effects.special_effects import UNEXCITED, VISIBLE_IN_ONE
 from hidden_effects.unknown_terms import KINDS, UnknownKind
+
+FloatArray = NDArray[np.float64]
 
 SHARES: dict[str, float] = {
     "single": 70,
@@ -90,8 +94,22 @@ class Hidden:
         return abs(self.deviation) / self.effect.scatter
 
     def applied(self, car: Numbers, chain: Numbers) -> None:
-        """Put it into a car and its measuring chain."""
+        """Put it into a car and its measuring chain, in place of what its numbers scatter by."""
+        for name, entry in self.effect.numbers_at(self.place):
+            store, sheet = (chain, SENSOR_SHEET) if name.startswith("chain:") else (car, DATA_SHEET)
+            name = name.removeprefix("chain:")
+            store[name] = _at_nominal(store[name], sheet[name], entry)
         self.effect.change(car, chain, self.deviation, self.place)
+
+
+def _at_nominal(values: FloatArray, number: Number, entry: int | None) -> FloatArray:
+    """Values of a number as on the data sheet; only ``entry``'s where it has one for each place."""
+    nominal = np.array(number.nominal, float)
+    if entry is None or nominal.ndim == 0:
+        return nominal
+    changed = values.copy()
+    changed[entry] = nominal[entry]
+    return changed
 
 
 @dataclass(frozen=True)

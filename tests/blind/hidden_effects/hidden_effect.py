@@ -30,6 +30,7 @@ class HiddenEffect:
     field : number that tells the true physical value afterwards ("" : the drawn deviation itself)
     needs : channels that must be in the log for it to be seen
     smallest : size in scatters from which the shipped manoeuvres show it (``isolability.detection_limit``), at least 4
+    also : further numbers whose scatter would add to the deviation: two that act as one, one that divides the other
     """
 
     name: str
@@ -44,3 +45,15 @@ class HiddenEffect:
     field: str = ""
     needs: tuple[str, ...] = ()
     smallest: float = SMALLEST_UNITS
+    also: tuple[str, ...] = ()
+
+    def numbers_at(self, place: int) -> list[tuple[str, int | None]]:
+        """Numbers of car or chain (``chain:<name>``) that a deviation takes the place of, and which entry of each.
+
+        The size of an effect counts from the data sheet: what the number scatters by from car to car is in it.
+        """
+        fields = [name for name in self.field.split(",") if name]
+        if len(fields) > 1:
+            fields = fields[place : place + 1]
+        entry = place if self.places else None
+        return [*((name, entry) for name in fields), *((name, None) for name in self.also)]

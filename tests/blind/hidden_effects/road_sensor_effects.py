@@ -46,7 +46,9 @@ ROAD_TO_SENSOR: tuple[HiddenEffect, ...] = (
         field="driveline_drag",
         smallest=5,
     ),
-    HiddenEffect("wheel_inertia_reflected", "driveline", "kg m^2", False, 0.03, 40, UP, reflected),
+    HiddenEffect(
+        "wheel_inertia_reflected", "driveline", "kg m^2", False, 0.03, 40, UP, reflected, also=("wheel_inertia",)
+    ),
     HiddenEffect(
         "differential_locking",
         "driveline",

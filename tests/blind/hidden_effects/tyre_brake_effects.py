@@ -14,7 +14,9 @@ from hidden_effects.changes import (
 from hidden_effects.hidden_effect import BOTH, DOWN, UP, HiddenEffect
 
 TYRE_AND_BRAKE: tuple[HiddenEffect, ...] = (
-    HiddenEffect("tyre_friction", "tyre", "1", True, 0.03, 14, DOWN, friction, field="peak_x"),
+    HiddenEffect(
+        "tyre_friction", "tyre", "1", True, 0.03, 14, DOWN, friction, field="peak_x", also=("peak_y", "wheel_friction")
+    ),
     HiddenEffect(
         "tyre_longitudinal_stiffness", "tyre", "1", True, 0.03, 13, BOTH, factor("stiffness_x"), field="stiffness_x"
     ),
@@ -34,7 +36,18 @@ TYRE_AND_BRAKE: tuple[HiddenEffect, ...] = (
     HiddenEffect(
         "tyre_load_sensitivity", "tyre", "1", False, 0.01, 33, UP, add("load_sensitivity"), field="load_sensitivity"
     ),
-    HiddenEffect("tyre_relaxation_length", "tyre", "m", False, 0.02, 18, UP, relaxation, field="relaxation_x"),
+    HiddenEffect(
+        "tyre_relaxation_length",
+        "tyre",
+        "m",
+        False,
+        0.02,
+        18,
+        UP,
+        relaxation,
+        field="relaxation_x",
+        also=("relaxation_y",),
+    ),
     HiddenEffect("tyre_peak_shape", "tyre", "1", False, 0.01, 28, UP, peak_shape),
     HiddenEffect(
         "tyre_velocity_fade",
@@ -79,7 +92,17 @@ TYRE_AND_BRAKE: tuple[HiddenEffect, ...] = (
     HiddenEffect(
         "brake_pad_speed", "brake", "1", False, 0.01, 25, BOTH, add("pad_speed_exponent"), field="pad_speed_exponent"
     ),
-    HiddenEffect("brake_pad_pressure", "brake", "1", False, 0.01, 20, BOTH, add("pad_pressure_exponent")),
+    HiddenEffect(
+        "brake_pad_pressure",
+        "brake",
+        "1",
+        False,
+        0.01,
+        20,
+        BOTH,
+        add("pad_pressure_exponent"),
+        also=("pad_pressure_exponent",),
+    ),
     HiddenEffect("brake_in_stop_rise", "brake", "1", False, 0.01, 28, UP, add("in_stop_rise"), field="in_stop_rise"),
     HiddenEffect(
         "brake_hysteresis", "brake", "Pa", False, 1e4, 40, UP, add("brake_hysteresis"), field="brake_hysteresis"
