@@ -45,11 +45,11 @@ def stiffness_share(parameters: Any, wheel: int, pressure: float) -> float:
     Parameters
     ----------
     pressure : Pa
-        Above the atmosphere's.
+        Above the atmosphere's; a measured one below it is a sensor's offset, and no brake is emptier than open.
     """
     air = parameters.air_volume[wheel]
     if air == 0.0:
         return 1.0
-    ratio = ATMOSPHERE_PA / (ATMOSPHERE_PA + pressure)
+    ratio = ATMOSPHERE_PA / (ATMOSPHERE_PA + max(pressure, 0.0))
     compliance = air / (POLYTROPIC_EXPONENT * ATMOSPHERE_PA) * ratio ** (1.0 + 1.0 / POLYTROPIC_EXPONENT)
     return float(1.0 / (1.0 + parameters.caliper_stiffness[wheel] * compliance))

@@ -210,13 +210,20 @@ class _Pipeline:
         return findings
 
     def _unknown(self, base: Base, selector: Selector, selection: Selection, needed: float) -> FoundUnknown | None:
-        """The term that says more than all causes of the catalogue together, or than nothing where there are none."""
+        """The term that says more than all causes of the catalogue together, or than nothing where there are none.
+
+        One that says on this data what the only cause does is that cause, whose law nobody knows to the last digit.
+        """
         chosen = [one.hypothesis for one in selection.accepted]
         named = selector.evidence_of(chosen, selection.fit, selection.linearisation) - selector.evidence_of(
             [], selection.nothing, selection.linearisation
         )
         least = max(needed, named + MARGIN) if chosen else needed
-        return weigh_unknown(base.problem, self.replay, selection.nothing, base.at_nothing, least, self.seed)
+        found = weigh_unknown(base.problem, self.replay, selection.nothing, base.at_nothing, least, self.seed)
+        if found is not None and len(chosen) == 1 and selector.name(chosen[0]).partition(".")[0] in found.same_as:
+            selection.decisions.append(f"refused {found.term.formula}: {selector.name(chosen[0])} in other words")
+            return None
+        return found
 
     def _priors(self) -> Priors:
         return Priors.of(self.replay.parameters)

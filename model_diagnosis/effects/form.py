@@ -19,7 +19,8 @@ FORM_EFFECTS: tuple[Effect, ...] = (
     _form(
         "form_contact_scrub",
         Group.SUSPENSION,
-        "v_contact = v + (1 + d) h (roll rate or pitch rate): real links carry the wheel along less",
+        "v_contact = v + (1 + d)(h - R)(roll rate or pitch rate), R the height of the axis that links leave the body: "
+        "real ones carry the wheel along less",
         _MOTION,
         EffectParameter("roll", "1", -1.0, 0.3, 0.5, 0.5),
         EffectParameter("pitch", "1", -1.0, 0.3, 0.5, 0.5),
@@ -112,6 +113,20 @@ FORM_EFFECTS: tuple[Effect, ...] = (
 )
 
 FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
+    _form(
+        "form_build_up",
+        Group.HYDRAULICS,
+        "tau <- (1 + d) tau of the pressure's build-up at all wheels: a number of the data sheet that is off",
+        ("brake_pressure_fl", "brake_pressure_fr", "brake_pressure_rl", "brake_pressure_rr"),
+        EffectParameter("time_constant", "1", -0.5, 1.0, 0.03, 0.03, "hydraulics.increase_time_constant"),
+    ),
+    _form(
+        "form_release",
+        Group.HYDRAULICS,
+        "tau <- (1 + d) tau of the pressure's release at all wheels: a number of the data sheet that is off",
+        ("brake_pressure_fl", "brake_pressure_fr", "brake_pressure_rl", "brake_pressure_rr"),
+        EffectParameter("time_constant", "1", -0.5, 1.0, 0.03, 0.03, "hydraulics.decrease_time_constant"),
+    ),
     _form(
         "form_return",
         Group.HYDRAULICS,

@@ -87,6 +87,7 @@ class Selector:
         self.needed = needed
         self.is_exact = is_exact
         self.decisions: list[str] = []
+        self.refused: set[Hypothesis] = set()
         self.tell = tell or (lambda _step, _share: None)
 
     def run(
@@ -135,37 +136,40 @@ class Selector:
             if rough.evidence <= needed:
                 return None
             refit, linearisation = self.search.polished(stage, rough)
-            if refit.evidence <= needed:
-                self.decisions.append(
-                    f"refused {self.name(refit.hypothesis)}: {refit.evidence:.1f} is left of {rough.evidence:.1f} once "
-                    "both fits have converged"
-                )
+            why = self._why_not(stage, rough, refit, linearisation, needed)
+            if why:
+                self.decisions.append(f"refused {self.name(refit.hypothesis)}: {why}")
+                self.refused.add(refit.hypothesis)
                 continue
-            if self._bic_change(refit.fit, stage.nothing_more, refit.hypothesis) >= 0.0:
-                self.decisions.append(f"refused {self.name(refit.hypothesis)}: BIC_eff does not fall")
-                continue
-            own = self._direction(refit.hypothesis, stage.accepted, refit.fit, linearisation)
-            left = self._tempered(own, refit.hypothesis, stage.accepted, refit.fit, stage.nothing_more)
-            if self.is_exact and left <= needed:
-                self.decisions.append(
-                    f"refused {self.name(refit.hypothesis)}: {left:.1f} is left of {refit.evidence:.1f}, for what it "
-                    f"explains scatters {own.heat:.1f} times as much as noise"
-                )
-                continue
-            check = leave_one_out(
-                refit.parts,
-                ratios(self.problem, stage.accepted),
-                refit.hypothesis.columns,
-                self.problem.scaled(refit.fit.theta),
-            )
-            if not (check.passed or (not self.is_exact and check.gained > 0.0)):
-                self.decisions.append(
-                    f"refused {self.name(refit.hypothesis)}: it does not predict the manoeuvres left out "
-                    f"(sum {check.differences.sum():.1f}, worst {check.differences.min():.1f})"
-                )
-                continue
+            self.refused.discard(refit.hypothesis)
             return refit, linearisation
         return None
+
+    def _why_not(self, stage: Stage, rough: Refit, refit: Refit, linearisation: Linearisation, needed: float) -> str:
+        """What speaks against accepting a refit, in words; "" for nothing."""
+        if refit.evidence <= needed:
+            return f"{refit.evidence:.1f} is left of {rough.evidence:.1f} once both fits have converged"
+        if self._bic_change(refit.fit, stage.nothing_more, refit.hypothesis) >= 0.0:
+            return "BIC_eff does not fall"
+        own = self._direction(refit.hypothesis, stage.accepted, refit.fit, linearisation)
+        left = self._tempered(own, refit.hypothesis, stage.accepted, refit.fit, stage.nothing_more)
+        if self.is_exact and left <= needed:
+            return (
+                f"{left:.1f} is left of {refit.evidence:.1f}, for what it explains scatters {own.heat:.1f} times as "
+                "much as noise"
+            )
+        check = leave_one_out(
+            refit.parts,
+            ratios(self.problem, stage.accepted),
+            refit.hypothesis.columns,
+            self.problem.scaled(refit.fit.theta),
+        )
+        if not (check.passed or (not self.is_exact and check.gained > 0.0)):
+            return (
+                f"it does not predict the manoeuvres left out (sum {check.differences.sum():.1f}, worst "
+                f"{check.differences.min():.1f})"
+            )
+        return ""
 
     def _direction(
         self, hypothesis: Hypothesis, others: Sequence[Hypothesis], fit: Fit, linearisation: Linearisation
@@ -217,13 +221,15 @@ class Selector:
         return chosen, fit, linearisation
 
     def _rejected(self, chosen: Sequence[Hypothesis], stages: Sequence[Stage]) -> list[Candidate]:
-        """Best refits of all steps that are not accepted."""
+        """Best refits of all steps that are not accepted; what was refused for other reasons does not come back."""
         taken = {hypothesis.effect for hypothesis in chosen}
         found: dict[int, Refit] = {}
         for stage in stages:
             for refit in stage.refits:
                 effect = refit.hypothesis.effect
-                if effect not in taken and (effect not in found or refit.evidence > found[effect].evidence):
+                if effect in taken or refit.hypothesis in self.refused:
+                    continue
+                if effect not in found or refit.evidence > found[effect].evidence:
                     found[effect] = refit
         best = sorted(found.values(), key=lambda refit: -refit.evidence)[:SWAPS_TRIED]
         return [Candidate(refit.hypothesis, (refit.fit.theta,)) for refit in best]

@@ -39,7 +39,8 @@ def load_wheels(p: Record, s: Record, step: float) -> None:
     """Loads of the four wheels in the middle of the step, and what springs, dampers and links do to the body."""
     speed, roll, pitch = s.mid_speed, s.mid_roll, s.mid_pitch
     heave, heave_rate = s.heave + 0.5 * step * s.heave_rate, s.heave_rate + 0.5 * step * s.heave_acceleration
-    lift_front, lift_rear = p.lift_front * speed * speed, p.lift_rear * speed * speed
+    wind = (speed + p.wind_along) * (speed + p.wind_along)
+    lift_front, lift_rear = p.lift_front * wind, p.lift_rear * wind
     up = lift_front + lift_rear
     nose_down = -p.wheel_x[0] * lift_front - p.wheel_x[2] * lift_rear
     left_up = 0.0
@@ -52,9 +53,10 @@ def load_wheels(p: Record, s: Record, step: float) -> None:
         travel = mean_share * mean + half_share * half
         mean_rate, half_rate = mean_share * (arm * s.mid_pitch_rate - heave_rate), -half_share * y * s.mid_roll_rate
         rate = mean_rate + half_rate
-        damping = p.compression_damping[i] if rate > 0.0 else p.rebound_damping[i]
-        change = p.mean_rate[i] * mean + p.half_rate[i] * half
-        change += damping * (mean_share * mean_rate + half_share * half_rate)
+        # rated by what its force goes with: where that is 0, nothing jumps
+        damped = mean_share * mean_rate + half_share * half_rate
+        damping = p.compression_damping[i] if damped > 0.0 else p.rebound_damping[i]
+        change = p.mean_rate[i] * mean + p.half_rate[i] * half + damping * damped
         deep = travel - p.bump_clearance[i]
         if deep > 0.0:
             change += (p.bump_rate[i] + p.bump_progression[i] * deep) * deep
@@ -79,11 +81,12 @@ def move_body(p: Record, s: Record, step: float) -> None:
         s.spin_momentum += p.spin_inertia[i] * s.spin[i]
         about_wheels += p.spin_inertia[i] * s.spin_rate[i] + s.rolling_torque[i]
     weight, above = p.mass * GRAVITY, p.height - p.radius[0]
-    drag = p.drag * s.mid_speed * s.mid_speed
+    # tyres push at the road, the air at its height, added terms at the centre of gravity
+    over_air = p.height - p.drag_height
     nose_down = s.spring_nose_down + weight * (above + p.pitch_weight_arm) * s.mid_pitch - about_wheels
-    nose_down -= p.height * (s.force_x + drag) + (p.drag_height - p.height) * drag
-    left_up = s.spring_left_up + weight * (above + p.roll_weight_arm) * s.mid_roll + p.height * s.force_y
-    left_up += s.mid_yaw_rate * s.spin_momentum
+    nose_down -= p.height * s.ground_x + over_air * s.air_x
+    left_up = s.spring_left_up + weight * (above + p.roll_weight_arm) * s.mid_roll
+    left_up += p.height * s.ground_y + over_air * s.air_y + s.mid_yaw_rate * s.spin_momentum
     s.heave_acceleration = s.spring_up * p.inverse_sprung
     s.pitch_acceleration, s.roll_acceleration = nose_down * p.inverse_pitch, left_up * p.inverse_roll
     s.heave += step * (s.heave_rate + 0.5 * step * s.heave_acceleration)
@@ -137,17 +140,18 @@ def feel(s: Record, felt_x: float, felt_y: float) -> None:
 @njit(cache=True, nogil=True, error_model="numpy")
 def move_in_plane(p: Record, s: Record, step: float) -> None:
     """One step of speed, lateral speed and yaw rate under tyre forces, air and slope."""
-    force_x, force_y, moment = _air(p, s)
+    s.air_x, s.air_y, moment = _air(p, s)
+    s.ground_x = s.ground_y = 0.0
     for i in range(4):
         sine, cosine = s.sine[i], s.cosine[i]
         at_x = cosine * s.tyre_x[i] - sine * s.tyre_y[i]
         at_y = sine * s.tyre_x[i] + cosine * s.tyre_y[i]
-        force_x += at_x
-        force_y += at_y
+        s.ground_x += at_x
+        s.ground_y += at_y
         moment += p.wheel_x[i] * at_y - p.wheel_y[i] * at_x + s.aligning[i]
-    force_x, force_y, moment = force_x + s.term_force_x, force_y + s.term_force_y, moment + s.term_yaw_moment
-    s.force_x, s.force_y = force_x, force_y
-    along, across, turn = force_x * p.inverse_mass, force_y * p.inverse_mass, s.mid_yaw_rate
+    moment += s.term_yaw_moment
+    along = (s.ground_x + s.air_x + s.term_force_x) * p.inverse_mass
+    across, turn = (s.ground_y + s.air_y + s.term_force_y) * p.inverse_mass, s.mid_yaw_rate
     s.speed_rate = along + s.mid_lateral_speed * turn - GRAVITY * (p.grade + s.grade)
     s.lateral_rate = across - s.mid_speed * turn - GRAVITY * (p.bank + s.bank)
     s.yaw_acceleration = (moment - p.guide_lean * s.mid_roll_rate * s.spin_momentum) * p.inverse_yaw

@@ -48,6 +48,7 @@ _OF_VALVES = (
     "outlet_valve_conductance",
     "pump_rate",
     "low_pressure_accumulator_full",
+    "form_release",
     "form_pump_back_pressure",
 )
 """Effects of what fluid passes only while a valve is moved, or comes from there."""

@@ -52,8 +52,10 @@ _BODY = (
     "felt_of_rate",
     "felt_rate_of",
     "felt_rate_kept",
-    "force_x",  # of tyres and air, body axes
-    "force_y",
+    "ground_x",  # forces of the tyres and of the air, body axes
+    "ground_y",
+    "air_x",
+    "air_y",
     "spin_momentum",  # of all wheels about their axes
     # inputs of this step
     "drive_front",

@@ -69,16 +69,12 @@ def move_wheel(
     """One step of a wheel: its tyre forces and its spin."""
     load = max(s.load[i], _LIGHTEST_N)
     turn, omega = s.mid_yaw_rate, s.spin[i]
-    # body's turning carries the contact along, and so does the wheel's travel on its leaning guide
+    # the body turns about the axis that its links leave it and carries the contact along; as a form, by less than that
     rate = s.travel_rate[i]
-    at_x = (
-        s.mid_speed
-        - turn * p.wheel_y[i]
-        - p.pitch_scrub * p.height * s.mid_pitch_rate
-        + (p.guide_lean * s.mid_pitch - p.guide_brake[i]) * rate
-    )
-    at_y = s.mid_lateral_speed + turn * p.wheel_x[i] + p.roll_scrub * p.height * s.mid_roll_rate
-    at_y -= (p.guide_lean * s.mid_roll + p.guide_side[i]) * rate
+    carried_x = -p.height * s.mid_pitch_rate - p.guide_brake[i] * rate
+    carried_y = p.height * s.mid_roll_rate - p.guide_side[i] * rate
+    at_x = s.mid_speed - turn * p.wheel_y[i] + p.pitch_scrub * carried_x + p.guide_lean * s.mid_pitch * rate
+    at_y = s.mid_lateral_speed + turn * p.wheel_x[i] + p.roll_scrub * carried_y - p.guide_lean * s.mid_roll * rate
     sine, cosine = s.sine[i], s.cosine[i]
     v_x, v_y = cosine * at_x + sine * at_y, cosine * at_y - sine * at_x
     radius = p.radius[i] - p.radius_load * (load - p.static_load[i]) + p.radius_speed * v_x * v_x

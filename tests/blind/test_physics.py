@@ -109,6 +109,26 @@ def test_support_of_an_axle_takes_its_own_moment_from_the_springs(axle: int) -> 
     assert out[-1, INDEX["pitch_angle"]] == pytest.approx(expected, rel=0.003)
 
 
+def test_raised_links_jack_an_axle_up_by_the_difference_of_its_side_forces() -> None:
+    """Settled circle, the front roll centre up: (K - m g h) theta is less by 2 h_R/track (F_outer - F_inner) a."""
+    turn = Script("circle", 20.0, 6.0, nothing, ramps((0, 0), (1, 0.6), (9, 0.6)), nothing)
+    lifted, unlifted = [
+        simulate(as_record(_changed(steering_stiffness=1e9, roll_centre=[height, 0.0])), turn.drive())
+        for height in (0.1, 0.0)
+    ]
+    stiffness, _ = pitch_rates(as_record(nominal_car()))
+    softened = stiffness - 1296.0 * GRAVITY_M_S2 * 0.535
+    steer = np.array([0.6, 0.6, 0.0, 0.0]) / 16.0
+    of_tyre, across = _columns(lifted, "force_x")[-1], _columns(lifted, "force_y")[-1]
+    along = of_tyre * np.cos(steer) - across * np.sin(steer)
+    side = across * np.cos(steer) + of_tyre * np.sin(steer)
+    angle = -0.535 * along.sum() + _about_wheels(lifted)
+    assert side[1] > 1.2 * side[0] > 0.0  # a left turn loads the right wheel
+    angle -= 2.0 * 0.1 / 1.46 * (side[1] - side[0]) * 1.25
+    assert lifted[-1, INDEX["pitch_angle"]] == pytest.approx(angle / softened, rel=0.02)
+    assert lifted[-1, INDEX["pitch_angle"]] < unlifted[-1, INDEX["pitch_angle"]]
+
+
 def _about_wheels(out: np.ndarray) -> float:
     """Moment on the body by the wheels' change of spin over the last 0.1 s and by rolling resistance [N m]."""
     spin = _columns(out, "wheel_speed")

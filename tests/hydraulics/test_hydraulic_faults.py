@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from hydraulics import PARAMETERS, HydraulicUnit
-from hydraulics.fluid import ATMOSPHERE_PA, POLYTROPIC_EXPONENT, kinematic_viscosity, viscosity_ratio
+from hydraulics.fluid import ATMOSPHERE_PA, POLYTROPIC_EXPONENT, kinematic_viscosity, stiffness_share, viscosity_ratio
+from hydraulics.record import PARAMETER_RECORD, fill_record
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import load_vehicle, parameter_table
 
@@ -151,6 +152,16 @@ def test_air_takes_up_the_volume_of_a_compressed_gas() -> None:
     assert volume == pytest.approx(pressure / STIFFNESS_FRONT + gas, rel=0.02)
     # slow start of the build-up: the gas is soft below 10 bar
     assert run(with_fault(air_volume_fl=air), 80.0, OPEN, 0.02)[1] < 0.3 * run(plain, 80.0, OPEN, 0.02)[1]
+
+
+def test_air_below_the_atmosphere_is_as_soft_as_at_it() -> None:
+    """A pressure sensor's offset of more than an atmosphere left no number: dp/dV = 1/(1/k + V_a/(n p_0)) at most."""
+    softest = 1.0 / (1.0 + STIFFNESS_FRONT * 2e-6 / (POLYTROPIC_EXPONENT * ATMOSPHERE_PA))
+    numbers = np.zeros(1, PARAMETER_RECORD)
+    given = {one.path: one.default for one in PARAMETERS if one.default is not None}
+    fill_record(given | BRAKES | {"hydraulics.air_volume_fl": 2e-6}, numbers)
+    for pressure in (0.0, -0.5 * ATMOSPHERE_PA, -1.2 * ATMOSPHERE_PA):
+        assert stiffness_share(numbers[0], 0, pressure) == pytest.approx(softest)
 
 
 def test_viscosity_follows_walther_between_the_limits_of_fmvss_116() -> None:

@@ -65,6 +65,7 @@ DATA_SHEET: dict[str, Number] = {
     "support_tangent": Number((0.0, 0.0), 0.01, relative=False, paths=_axles("suspension.*.brake_support_angle")),
     # air
     "drag_area": Number(0.8, 0.03, paths=("aerodynamics.drag_coefficient",)),
+    "drag_height": Number(0.535),
     "air_density": Number(1.2),
     "lift_area": Number((0.0, 0.0), 0.01, relative=False),
     "side_area": Number(2.0),

@@ -51,16 +51,19 @@ def wheel_place(car: Any, i: int) -> tuple[float, float]:
 
 
 @njit(cache=True)
-def link_load(car: Any, force_x: FloatArray) -> float:
+def link_load(car: Any, force_x: FloatArray, force_y: FloatArray) -> float:
     """Load [N] that the links carry past the springs from the rear axle to the front one.
 
     F_x tan(eps) of an axle turns the body with that axle's arm: the pitch angle changes, the steady load transfer does
-    not. A body without heave takes it as a pair of forces at both axles.
+    not. So does what the inclined links of a loaded outer wheel push up more than those of the inner one pull down
+    (jacking, 2 h_R / track of the difference of the side forces). A body without heave takes it as a pair of forces.
     """
     front, rear = car.cg_to_front, car.wheelbase - car.cg_to_front
-    at_front = (force_x[0] + force_x[1]) * car.support_tangent[0] * front
-    at_rear = (force_x[2] + force_x[3]) * car.support_tangent[1] * rear
-    return -(at_front + at_rear) / car.wheelbase
+    at_front = -(force_x[0] + force_x[1]) * car.support_tangent[0]
+    at_rear = (force_x[2] + force_x[3]) * car.support_tangent[1]
+    at_front += (force_y[1] - force_y[0]) * 2.0 * car.roll_centre[0] / car.track
+    at_rear += (force_y[3] - force_y[2]) * 2.0 * car.roll_centre[1] / car.track
+    return (at_front * front - at_rear * rear) / car.wheelbase
 
 
 @njit(cache=True)
@@ -69,8 +72,8 @@ def wheel_loads(car: Any, state: FloatArray, force_x: FloatArray, force_y: Float
     front_share = (car.wheelbase - car.cg_to_front) / car.wheelbase
     weight = car.mass * GRAVITY_M_S2
     stiffness, damping = pitch_rates(car)
-    pressure = 0.5 * car.air_density * state[VX] * state[VX]
-    links = link_load(car, force_x)
+    pressure = 0.5 * car.air_density * (state[VX] + car.head_wind) ** 2
+    links = link_load(car, force_x, force_y)
     along = (stiffness * state[PITCH] + damping * state[PITCH_RATE]) / car.wheelbase + links
     for axle in range(2):
         k, c = roll_rates(car, axle)
@@ -119,8 +122,10 @@ def derivatives(
         yaw += x * force_y[i] - y * force_x[i]
     air_x, air_y = state[VX] + car.head_wind, state[VY] + car.side_wind
     half_density = 0.5 * car.air_density
-    body_x = sum_x - half_density * car.drag_area * air_x * abs(air_x)
-    body_y = sum_y - half_density * car.side_area * air_y * abs(air_x)
+    air_speed = math.sqrt(air_x * air_x + air_y * air_y)
+    drag = half_density * car.drag_area * air_x * air_speed
+    body_x = sum_x - drag
+    body_y = sum_y - half_density * car.side_area * air_y * air_speed
     along, across = body_x / car.mass, body_y / car.mass
     rate[VX] = along - GRAVITY_M_S2 * car.grade + state[VY] * state[YAW_RATE]
     rate[VY] = across - GRAVITY_M_S2 * car.bank - state[VX] * state[YAW_RATE]
@@ -128,8 +133,15 @@ def derivatives(
     roll_inertia, pitch_inertia = sprung_inertias(car)
     stiffness, damping = pitch_rates(car)
     weight_moment = car.mass * GRAVITY_M_S2 * car.cg_height
-    links = link_load(car, force_x)
-    pitch = about_wheels - car.cg_height * sum_x - stiffness * state[PITCH] - damping * state[PITCH_RATE]
+    links = link_load(car, force_x, force_y)
+    # drag pushes at its own height, wherever the load puts the centre of gravity
+    pitch = (
+        about_wheels
+        - car.cg_height * sum_x
+        - (car.drag_height - car.cg_height) * drag
+        - stiffness * state[PITCH]
+        - damping * state[PITCH_RATE]
+    )
     rate[PITCH] = state[PITCH_RATE]
     rate[PITCH_RATE] = (pitch + weight_moment * state[PITCH] - car.wheelbase * links) / pitch_inertia
     roll = car.cg_height * sum_y + weight_moment * state[ROLL] + state[YAW_RATE] * spin_momentum

@@ -189,8 +189,9 @@ def test_what_acts_by_valves_is_left_out_where_none_is_moved_and_changes_no_bit_
     model = Replay(car, [log, replace(log, channels=dict(log.channels) | at_rest)])
     theta = np.zeros(len(model.columns))
     chosen = [index for index, name in enumerate(model.columns) if acts_by_valves(name)]
-    # four wheels' outlets, two kinds of delay of all and of each, pump and its back pressure, accumulators
-    assert len(chosen) == 17
+    # four wheels' outlets and what they share, two kinds of delay of all and of each, pump and its back pressure,
+    # accumulators
+    assert len(chosen) == 18
     moved, rested = model.sensitivities(theta, chosen)
     nominal = model.predict(theta, 1)
     for place, column in enumerate(chosen):
