@@ -1,12 +1,10 @@
 """Manoeuvres measured and replayed before and after, as the report draws them."""
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.findings import ManoeuvreFindings
-from model_diagnosis.replay import Replay
+from model_diagnosis.replay import ReplayBase
 
 FloatArray = NDArray[np.float64]
 
@@ -15,7 +13,7 @@ HORIZON_S = 1.0
 
 
 def manoeuvre_findings(
-    replay: Replay, after: FloatArray, *, held_out: bool, free_runs: bool = True
+    replay: ReplayBase, after: FloatArray, *, held_out: bool, free_runs: bool = True
 ) -> list[ManoeuvreFindings]:
     """Every manoeuvre of a replay with the vehicle as given and at the deviations ``after`` (p,)."""
     neutral = np.zeros(len(replay.columns))
@@ -36,12 +34,8 @@ def manoeuvre_findings(
                 free_after=replay.free_run(after, number) if free_runs else None,
                 restarted_before=replay.free_run(neutral, number, HORIZON_S) if free_runs else None,
                 restarted_after=replay.free_run(after, number, HORIZON_S) if free_runs else None,
-                states=_states(replay, after, number),
+                states=replay.states(after, number),
                 held_out=held_out,
             )
         )
     return found
-
-
-def _states(replay: Replay, theta: FloatArray, number: int) -> Mapping[str, FloatArray]:
-    return replay.states(theta, number) if hasattr(replay, "states") else {}

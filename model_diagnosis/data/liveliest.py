@@ -4,11 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from model_diagnosis.data.rig import FORCES, LOAD, rig_wheel
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, FloatArray, Manoeuvre
 from signals.errors import InputError
 from signals.wheels import WHEELS
 
 _BLOCK_S = 0.5
+_GRAVITY_M_S2 = 9.81
+_LIGHTEST_N = 100.0
 
 
 def liveliest(manoeuvres: Sequence[Manoeuvre], at_most_s: float) -> list[Manoeuvre]:
@@ -39,8 +42,16 @@ def liveliness(manoeuvre: Manoeuvre) -> float:
 
 
 def _accelerations(manoeuvre: Manoeuvre) -> list[FloatArray]:
-    """Change of speed and speed times yaw rate, or what the accelerometers read where these are not known."""
+    """Change of speed and speed times yaw rate, or what the accelerometers read where these are not known.
+
+    Of a wheel on a rig what its forces would give the mass that it carries.
+    """
     channels = manoeuvre.channels
+    wheel = rig_wheel(channels)
+    if wheel is not None and f"{LOAD}_{wheel}" in channels:
+        load = np.maximum(np.abs(channels[f"{LOAD}_{wheel}"]), _LIGHTEST_N)
+        names = [f"{force}_{wheel}" for force in FORCES]
+        return [_GRAVITY_M_S2 * channels[name] / load for name in names if name in channels]
     wheels = [channels[f"wheel_speed_{w}"] for w in WHEELS if f"wheel_speed_{w}" in channels]
     found = []
     if "speed" in channels:
