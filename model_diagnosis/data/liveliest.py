@@ -4,20 +4,20 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from model_diagnosis.data.rig import FORCES, LOAD, rig_wheel
+from model_diagnosis.data.rig import is_on_rig
+from model_diagnosis.data.rig_sweeps import farthest_apart
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, FloatArray, Manoeuvre
 from signals.errors import InputError
 from signals.wheels import WHEELS
 
 _BLOCK_S = 0.5
-_GRAVITY_M_S2 = 9.81
-_LIGHTEST_N = 100.0
 
 
 def liveliest(manoeuvres: Sequence[Manoeuvre], at_most_s: float) -> list[Manoeuvre]:
     """Manoeuvres with the largest changes of speed and direction, in their order, of ``at_most_s`` together.
 
-    The liveliest one is taken in any case. What lasts longer than the rest of the time is passed over.
+    The liveliest one is taken in any case. What lasts longer than the rest of the time is passed over. Of a wheel on
+    a rig those that are farthest apart are taken: it is lively in all of them, each at one load.
 
     Raises
     ------
@@ -26,7 +26,10 @@ def liveliest(manoeuvres: Sequence[Manoeuvre], at_most_s: float) -> list[Manoeuv
     """
     if at_most_s <= 0.0:
         raise InputError("time to search", found=f"{at_most_s:g} s", allowed="above 0 s", mend="120 s is enough")
-    order = sorted(range(len(manoeuvres)), key=lambda k: liveliness(manoeuvres[k]), reverse=True)
+    if is_on_rig(manoeuvres):
+        order = farthest_apart(manoeuvres)
+    else:
+        order = sorted(range(len(manoeuvres)), key=lambda k: liveliness(manoeuvres[k]), reverse=True)
     chosen: list[int] = []
     left = at_most_s
     for k in order:
@@ -42,16 +45,8 @@ def liveliness(manoeuvre: Manoeuvre) -> float:
 
 
 def _accelerations(manoeuvre: Manoeuvre) -> list[FloatArray]:
-    """Change of speed and speed times yaw rate, or what the accelerometers read where these are not known.
-
-    Of a wheel on a rig what its forces would give the mass that it carries.
-    """
+    """Change of speed and speed times yaw rate, or what the accelerometers read where these are not known."""
     channels = manoeuvre.channels
-    wheel = rig_wheel(channels)
-    if wheel is not None and f"{LOAD}_{wheel}" in channels:
-        load = np.maximum(np.abs(channels[f"{LOAD}_{wheel}"]), _LIGHTEST_N)
-        names = [f"{force}_{wheel}" for force in FORCES]
-        return [_GRAVITY_M_S2 * channels[name] / load for name in names if name in channels]
     wheels = [channels[f"wheel_speed_{w}"] for w in WHEELS if f"wheel_speed_{w}" in channels]
     found = []
     if "speed" in channels:
