@@ -299,6 +299,7 @@ class _Pipeline:
             gain = gain_of_numbers(selection.nothing.theta, wrong.theta, self.held_out, self.seed)
         return Diagnosis(
             verdict=verdict,
+            subject="wheel_on_rig" if isinstance(self.replay, RigReplay) else "car",
             data_faults=self.faults,
             causes=found,
             discovered_terms=terms,
@@ -373,5 +374,4 @@ class _Pipeline:
             logs=self.logs,
             terms=[unknown.for_the_car] if unknown else [],
             numbers=numbers_of(self.replay, wrong, answer.gain) if is_other_car else [],
-            on_rig=isinstance(self.replay, RigReplay),
         )

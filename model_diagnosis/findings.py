@@ -59,7 +59,6 @@ class Findings:
     logs : files as given
     terms : discovered terms as the extended vehicle takes them
     numbers : of a wrong vehicle, the numbers that the data say, as the extended vehicle takes them
-    on_rig : True where the data are of one wheel on a rig, not of a car
     """
 
     diagnosis: Diagnosis
@@ -70,4 +69,3 @@ class Findings:
     logs: Sequence[str] = ()
     terms: Sequence[FoundTerm] = ()
     numbers: Sequence[FoundEffect] = ()
-    on_rig: bool = False

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.findings import ManoeuvreFindings
-from model_diagnosis.replay import ReplayBase
+from model_diagnosis.replay import Replay, ReplayBase
 
 FloatArray = NDArray[np.float64]
 
@@ -18,6 +18,7 @@ def manoeuvre_findings(
     """Every manoeuvre of a replay with the vehicle as given and at the deviations ``after`` (p,)."""
     neutral = np.zeros(len(replay.columns))
     weights = replay.weights()
+    restarts = free_runs and isinstance(replay, Replay)  # a wheel on a rig has no state to begin anew with
     found = []
     for number, manoeuvre in enumerate(replay.manoeuvres):
         signals = replay.signals(number)
@@ -32,8 +33,8 @@ def manoeuvre_findings(
                 weights=weights[number],
                 free_before=replay.free_run(neutral, number) if free_runs else None,
                 free_after=replay.free_run(after, number) if free_runs else None,
-                restarted_before=replay.free_run(neutral, number, HORIZON_S) if free_runs else None,
-                restarted_after=replay.free_run(after, number, HORIZON_S) if free_runs else None,
+                restarted_before=replay.free_run(neutral, number, HORIZON_S) if restarts else None,
+                restarted_after=replay.free_run(after, number, HORIZON_S) if restarts else None,
                 states=replay.states(after, number),
                 held_out=held_out,
             )

@@ -14,6 +14,8 @@ from bench.diagnosis_report.signal_charts import add_signal_charts, ranked_signa
 from bench.diagnosis_report.timeline import Timeline
 from bench.diagnosis_report.words import (
     BADGES,
+    DRIVEN,
+    SUBJECTS,
     gain_words,
     headline,
     parameter_texts,
@@ -59,6 +61,8 @@ def page_of(findings: Findings) -> str:
         "symbol": _SYMBOLS[badge],
         "verdict": verdict,
         "headline": headline(diagnosis),
+        "subject": SUBJECTS[diagnosis.subject],
+        "driven": DRIVEN[diagnosis.subject],
         "findings": findings,
         "diagnosis": diagnosis,
         "facts": _facts(findings),

@@ -57,7 +57,7 @@ def test_its_extended_vehicle_gains_and_is_written(stiffer: Findings, car: Vehic
 
 
 def test_what_is_of_a_car_only_is_told_as_left_out(stiffer: Findings) -> None:
-    assert stiffer.on_rig
+    assert stiffer.diagnosis.subject == "wheel_on_rig"
     assert any("not for a wheel on a rig" in remark for remark in stiffer.diagnosis.remarks)
     assert not stiffer.diagnosis.guilty_equations
 
