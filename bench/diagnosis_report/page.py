@@ -91,7 +91,7 @@ def page_of(findings: Findings) -> str:
         "separated": [plain(name) for name in diagnosis.next_manoeuvre.separates] if diagnosis.next_manoeuvre else [],
         "timing": [(plain(step), f"{seconds:.1f} s") for step, seconds in diagnosis.timing_s.items()],
         "versions": [(name, str(value)) for name, value in diagnosis.versions.items()],
-        "extended": bool(diagnosis.causes or diagnosis.discovered_terms),
+        "extended": any(np.any(part.after != part.before) for part in findings.manoeuvres),
     }
     steps = [{"name": s.name, "start": s.start_s, "end": s.end_s} for s in timeline.stretches]
     return render("diagnosis.html.j2", book.inline(steps), contents)
