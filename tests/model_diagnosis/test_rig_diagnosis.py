@@ -15,6 +15,7 @@ from bench.diagnosis.diagnosing import Found, write
 from model_diagnosis.diagnosis import diagnose
 from model_diagnosis.findings import Findings
 from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.vehicle_fit import fit_vehicle
 from signals.errors import InputError
 from vehicle_model.vehicle_file import VehicleFile, load_vehicle
 
@@ -78,6 +79,12 @@ def test_of_the_vehicle_files_own_tyre_nothing_is_named(car: VehicleFile) -> Non
     diagnosis = diagnose(programme(), car).diagnosis
     assert diagnosis.verdict == "nothing_found"
     assert not diagnosis.causes
+
+
+def test_a_vehicle_is_calibrated_on_a_rigs_log(car: VehicleFile) -> None:
+    fitted = fit_vehicle(programme(cornering=1.05), car).calibrated
+    stiffness = next(one for one in fitted if one.effect == "tyre_cornering_stiffness")
+    assert stiffness.values == {"tyres.front.lateral.stiffness": pytest.approx(1.05 * 13.0, rel=0.01)}
 
 
 def test_a_rig_without_load_or_speed_is_told_what_is_missing(car: VehicleFile) -> None:
