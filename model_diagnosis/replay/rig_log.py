@@ -9,6 +9,7 @@ from model_diagnosis.data.rig import FORCES, LOAD, SET_SLIPS, rig_wheel
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay.gaps import BEGINNING, GAP_STEPS
 from model_diagnosis.replay.inputs import SLOWEST_M_S
+from model_diagnosis.replay.smoothing import without_noise
 from signals.errors import InputError
 from signals.wheels import WHEELS
 
@@ -25,7 +26,8 @@ class RigLog:
     wheel : index in wheel order
     signals : compared forces, the columns of the arrays
     chosen : of the run's two forces, in the order of ``signals``
-    driving : (n, 4) slip ratio, slip angle [rad], vertical load [N], belt speed [m/s]; a slip that is not set is 0
+    driving : (n, 4) slip ratio, slip angle [rad], vertical load [N], belt speed [m/s] without their sensors' noise; a
+        slip that is not set is 0
     measured, weights : (n, c)
     """
 
@@ -70,7 +72,8 @@ def read_rig(manoeuvre: Manoeuvre) -> RigLog:
         if f"{force}_{wheel}" in channels and f"{slip}_{wheel}" in channels
     ]
     nothing = np.zeros(manoeuvre.samples)
-    driving = np.stack([channels.get(name, nothing) for name in drivers], axis=1)
+    # a prediction with the noise of its inputs in it gains by whatever averages it: a later sensor, a quicker tyre
+    driving = np.stack([_quiet(channels.get(name, nothing)) for name in drivers], axis=1)
     counts = (driving[:, -1] >= SLOWEST_M_S) & _driven(manoeuvre, [name for name in drivers if name in channels])
     return RigLog(
         wheel=WHEELS.index(wheel),
@@ -82,6 +85,12 @@ def read_rig(manoeuvre: Manoeuvre) -> RigLog:
         if signals
         else np.zeros((len(driving), 0)),
     )
+
+
+def _quiet(values: FloatArray) -> FloatArray:
+    """Values (n,) without noise; what rests exactly most of the time is a command, whose steps are no noise."""
+    rests = np.median(np.abs(np.diff(values))) == 0.0
+    return values if rests else without_noise(values)
 
 
 def _driven(manoeuvre: Manoeuvre, names: list[str]) -> BoolArray:

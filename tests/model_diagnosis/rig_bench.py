@@ -1,9 +1,10 @@
-"""A wheel on a rig, made with numpy alone: a Magic Formula along and across, first-order relaxation, noise."""
+"""A wheel on a rig, made without the replay: a Magic Formula along and across, first-order relaxation, noise."""
 
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from model_diagnosis.manoeuvre import Manoeuvre
 from vehicle_model.vehicle_file import VehicleFile, load_vehicle
@@ -12,7 +13,15 @@ FloatArray = NDArray[np.float64]
 
 SPEED_M_S, RELAXATION_M = 15.0, 0.3
 FINE_S, EVERY = 0.0005, 20
-NOISE = {"longitudinal_force_fl": 20.0, "lateral_force_fl": 20.0, "vertical_load_fl": 10.0}
+NOISE = {
+    "slip_ratio_fl": 2e-4,
+    "slip_angle_fl": 2e-4,
+    "vertical_load_fl": 10.0,
+    "longitudinal_force_fl": 20.0,
+    "lateral_force_fl": 20.0,
+}
+"""White, of each sensor; a tyre's forces also stray by ``STRAY_N``, forgotten by a tenth each sample."""
+STRAY_N, KEPT = 30.0, 0.9
 PEAK, SHAPE, STIFFNESS = (1.12, 1.0), (1.316, 1.4), (14.34, 13.0)
 """Of the Magic Formula, along and across."""
 
@@ -70,6 +79,9 @@ def sweep(
     measured = {
         key: values[::EVERY] + NOISE.get(key, 0.0) * random.standard_normal(800) for key, values in true.items()
     }
+    for key in ("longitudinal_force_fl", "lateral_force_fl"):
+        stray = STRAY_N * np.sqrt(1.0 - KEPT**2) * random.standard_normal(800)
+        measured[key] += lfilter([1.0], [1.0, -KEPT], stray)
     name = f"{'brake' if braking else 'corner'} {load:.0f} N"
     return Manoeuvre(name, time[::EVERY], measured, {key: np.ones(800) for key in measured}, "made by numpy")
 

@@ -75,8 +75,11 @@ def test_a_tyre_that_follows_later_is_named_with_its_relaxation_length(car: Vehi
     assert cause.parameters["length"].value == pytest.approx(0.6, rel=0.1)
 
 
-def test_of_the_vehicle_files_own_tyre_nothing_is_named(car: VehicleFile) -> None:
-    diagnosis = diagnose(programme(), car).diagnosis
+@pytest.mark.parametrize(("seed", "friction", "cornering"), [(0, 1.0, 1.0), (40, 0.97, 0.97), (60, 1.03, 0.98)])
+def test_of_a_tyre_within_the_files_scatter_nothing_is_named(
+    car: VehicleFile, seed: int, friction: float, cornering: float
+) -> None:
+    diagnosis = diagnose(programme(seed, friction=friction, cornering=cornering), car).diagnosis
     assert diagnosis.verdict == "nothing_found"
     assert not diagnosis.causes
 
