@@ -15,6 +15,7 @@ from bench.diagnosis_report.timeline import Timeline
 from bench.diagnosis_report.words import (
     BADGES,
     DRIVEN,
+    REPLAYS,
     SUBJECTS,
     gain_words,
     headline,
@@ -63,6 +64,7 @@ def page_of(findings: Findings) -> str:
         "headline": headline(diagnosis),
         "subject": SUBJECTS[diagnosis.subject],
         "driven": DRIVEN[diagnosis.subject],
+        "replay": REPLAYS[diagnosis.subject],
         "findings": findings,
         "diagnosis": diagnosis,
         "facts": _facts(findings),

@@ -19,6 +19,8 @@ BADGES: dict[Verdict, tuple[str, str]] = {
 SUBJECTS: dict[Subject, str] = {"car": "car", "wheel_on_rig": "tyre"}
 DRIVEN: dict[Subject, str] = {"car": "inputs", "wheel_on_rig": "slips, load and speed of a rig"}
 """What drives the replay, as measured."""
+REPLAYS: dict[Subject, str] = {"car": "observer replay", "wheel_on_rig": "replay"}
+"""What the residuals are of."""
 _SIGNAL_WORDS = {
     "longitudinal_acceleration": "longitudinal acceleration",
     "speed": "speed over ground",
