@@ -37,7 +37,8 @@ from model_diagnosis.localisation import Localisation, localise, place_remarks
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.next_manoeuvre import next_manoeuvre
 from model_diagnosis.pictures import manoeuvre_findings
-from model_diagnosis.replay import Replay
+from model_diagnosis.replay import Replay, ReplayBase, RigReplay
+from model_diagnosis.replay.choosing import replay_class
 from model_diagnosis.result import DataFault, Diagnosis
 from model_diagnosis.verdict import verdict_of
 from signals.errors import InputError
@@ -51,6 +52,8 @@ Source = Sequence[Manoeuvre] | Sequence[str | Path]
 
 REFIT_MARGIN = 3.0
 """Log evidence below the threshold from which an effect is still refitted."""
+
+OF_A_CAR_ONLY = "violated equations, unknown terms, plan of the next manoeuvre and stops with the control unit"
 
 STEPS = {
     "data": 0.0,
@@ -127,21 +130,29 @@ def diagnose(
     car = vehicle if isinstance(vehicle, VehicleFile) else load_vehicle(vehicle)
     manoeuvres, logs = _manoeuvres(source, car, channel_map)
     held_out, _ = _manoeuvres(hold_out, car, channel_map) if hold_out else ([], [])
-    faults, manoeuvres = check_data(manoeuvres, car, Replay)
+    model = replay_class(manoeuvres)
+    if held_out and replay_class(held_out) is not model:
+        raise InputError(
+            "logs of a car and of a wheel on a rig in one diagnosis", mend="diagnose and hold out each kind for itself"
+        )
+    faults, manoeuvres = check_data(manoeuvres, car, model)
     if held_out:
-        _, held_out = check_data(held_out, car, Replay)
+        _, held_out = check_data(held_out, car, model)
     if hold_out_share:
         manoeuvres, last = held_out_by_time(manoeuvres, hold_out_share)
         held_out = [*held_out, *last]
     if at_most_s is not None:
         manoeuvres = liveliest(manoeuvres, at_most_s)
     try:
-        replay = Replay(car, manoeuvres, conditions=True)
+        replay = RigReplay(car, manoeuvres) if model is RigReplay else Replay(car, manoeuvres, conditions=True)
     except InputError as error:
         raise _with_faults(error, faults) from None
     if not any(len(replay.signals(number)) for number in range(len(manoeuvres))):
         raise InputError("no signal of these logs can be compared with a replay", mend="check the channel map")
-    return _Pipeline(car, replay, Replay(car, held_out) if held_out else None, faults, logs, seed, clock).run()
+    other = model(car, held_out) if held_out else None
+    if isinstance(other, RigReplay) and other.columns != replay.columns:
+        raise InputError("the held-out wheel is of another axle", mend="diagnose and hold out wheels of the same axle")
+    return _Pipeline(car, replay, other, faults, logs, seed, clock).run()
 
 
 def _with_faults(error: InputError, faults: Sequence[DataFault]) -> InputError:
@@ -172,8 +183,8 @@ class _Pipeline:
     """The steps after the data is read; each method is one step."""
 
     vehicle: VehicleFile
-    replay: Replay
-    held_out: Replay | None
+    replay: ReplayBase
+    held_out: ReplayBase | None
     faults: list[DataFault]
     logs: list[str]
     seed: int
@@ -187,7 +198,7 @@ class _Pipeline:
         selector = Selector(search, needed, self.clock.tell)
         selection = selector.run(base.nothing, base.at_nothing, base.at_saturated)
         self.clock.begin("unknown")
-        guilty = localise(self.replay, base, selection.nothing.theta, self.seed)
+        guilty = self._localised(base, selection)
         unknown = self._unknown(base, selector, selection, needed)
         self.clock.begin("answer")
         chords, starts = (base.at_nothing, base.at_saturated), (selection.fit.theta, base.saturated.theta)
@@ -197,7 +208,9 @@ class _Pipeline:
         details = [] if is_wrong or unknown else self._causes(search, selection)
         shown = excitation(base.problem, base.at_nothing.information, needed)
         self.clock.begin("plan")
-        following = next_manoeuvre(self.vehicle, self.replay, search, selection, details)
+        following = None
+        if isinstance(self.replay, Replay):
+            following = next_manoeuvre(self.vehicle, self.replay, search, selection, details)
         self.clock.begin("gain")
         unknown = None if is_wrong else unknown
         answer = self._diagnosis(
@@ -214,6 +227,8 @@ class _Pipeline:
 
         One that says on this data what the only cause does is that cause, whose law nobody knows to the last digit.
         """
+        if not isinstance(self.replay, Replay):
+            return None
         chosen = [one.hypothesis for one in selection.accepted]
         named = selector.evidence_of(chosen, selection.fit, selection.linearisation) - selector.evidence_of(
             [], selection.nothing, selection.linearisation
@@ -224,6 +239,11 @@ class _Pipeline:
             selection.decisions.append(f"refused {found.term.formula}: {selector.name(chosen[0])} in other words")
             return None
         return found
+
+    def _localised(self, base: Base, selection: Selection) -> Localisation:
+        if not isinstance(self.replay, Replay):
+            return Localisation({}, {})
+        return localise(self.replay, base, selection.nothing.theta, self.seed)
 
     def _priors(self) -> Priors:
         return Priors.of(self.replay.parameters)
@@ -252,7 +272,9 @@ class _Pipeline:
         return sum(effect.name not in FORM_NAMES for effect in self.replay.effects)
 
     def _forced(self, accepted: Accepted) -> list[int]:
-        """Effects that these channels cannot tell from an accepted one on any data."""
+        """Effects that these channels of a car cannot tell from an accepted one on any data."""
+        if not isinstance(self.replay, Replay):
+            return []
         channels = {name for manoeuvre in self.replay.manoeuvres for name in manoeuvre.channels}
         effects = self.replay.effects
         own = effects[accepted.hypothesis.effect].name
@@ -277,13 +299,14 @@ class _Pipeline:
         terms = [unknown.answer] if unknown else []
         gain = gain_of(search.problem, selection, self.held_out, self.seed) if found else None
         if unknown:
-            held_out = unknown.on(self.held_out) if self.held_out else None
+            held_out = unknown.on(self.held_out) if isinstance(self.held_out, Replay) else None
             gain = gain_of(unknown.problem, unknown.selection, held_out, self.seed, unknown.theta_on)
         verdict = verdict_of(found, terms, self.faults, wrong, shown.insufficient, self._nameable)
         if wrong is not None and wrong.theta is not None and verdict == "wrong_vehicle":
             gain = gain_of_numbers(selection.nothing.theta, wrong.theta, self.held_out, self.seed)
         return Diagnosis(
             verdict=verdict,
+            subject="wheel_on_rig" if isinstance(self.replay, RigReplay) else "car",
             data_faults=self.faults,
             causes=found,
             discovered_terms=terms,
@@ -314,6 +337,8 @@ class _Pipeline:
                 remarks.append(
                     f"{self.replay.columns[column]} is {deviation:+.1f} times its scatter off the vehicle file"
                 )
+        if not isinstance(self.replay, Replay):
+            remarks.append(f"{OF_A_CAR_ONLY}: not for a wheel on a rig")
         if len(self.replay.manoeuvres) == 1:
             remarks.append("one manoeuvre only: nothing is left to check the answer on")
         return remarks
@@ -334,7 +359,7 @@ class _Pipeline:
             theta = beyond = wrong.theta
         if unknown:
             replay, theta = unknown.replay, unknown.selection.fit.theta
-            if held_out is not None:
+            if isinstance(held_out, Replay):
                 held_out, beyond = unknown.on(held_out), unknown.theta_on(held_out, theta)
         manoeuvres = manoeuvre_findings(replay, theta, held_out=False)
         if held_out is not None:

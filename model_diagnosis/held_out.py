@@ -10,7 +10,7 @@ from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.search import ratios
 from model_diagnosis.evidence.selection import Selection
 from model_diagnosis.gain import HeldOut, held_out_residuals, measure_gain
-from model_diagnosis.replay import Replay
+from model_diagnosis.replay import ReplayBase
 from model_diagnosis.result import Gain
 
 FloatArray = NDArray[np.float64]
@@ -19,9 +19,9 @@ FloatArray = NDArray[np.float64]
 def gain_of(
     problem: Problem,
     selection: Selection,
-    held_out: Replay | None,
+    held_out: ReplayBase | None,
     seed: int,
-    theta_on: Callable[[Replay, FloatArray], FloatArray] | None = None,
+    theta_on: Callable[[ReplayBase, FloatArray], FloatArray] | None = None,
 ) -> Gain | None:
     """Gain on the held-out replay; without one by cross-validation; None where neither is possible.
 
@@ -40,7 +40,7 @@ def gain_of(
     return measure_gain(residuals, noise_std(problem.replay), seed=seed, cross_validated=True)
 
 
-def gain_of_numbers(refit: FloatArray, after: FloatArray, held_out: Replay | None, seed: int) -> Gain | None:
+def gain_of_numbers(refit: FloatArray, after: FloatArray, held_out: ReplayBase | None, seed: int) -> Gain | None:
     """Gain of other numbers ``after`` (p,) on the held-out replay, beside a ``refit`` (p,) within the scatter."""
     if held_out is None or not len(held_out.manoeuvres):
         return None
@@ -48,7 +48,7 @@ def gain_of_numbers(refit: FloatArray, after: FloatArray, held_out: Replay | Non
     return measure_gain(residuals, noise_std(held_out), seed=seed)
 
 
-def noise_std(replay: Replay) -> dict[str, float]:
+def noise_std(replay: ReplayBase) -> dict[str, float]:
     """Signal -> own noise of its sensor."""
     return {
         signal: replay.sensor_std(signal)

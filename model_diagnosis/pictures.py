@@ -1,12 +1,10 @@
 """Manoeuvres measured and replayed before and after, as the report draws them."""
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.findings import ManoeuvreFindings
-from model_diagnosis.replay import Replay
+from model_diagnosis.replay import Replay, ReplayBase
 
 FloatArray = NDArray[np.float64]
 
@@ -15,11 +13,12 @@ HORIZON_S = 1.0
 
 
 def manoeuvre_findings(
-    replay: Replay, after: FloatArray, *, held_out: bool, free_runs: bool = True
+    replay: ReplayBase, after: FloatArray, *, held_out: bool, free_runs: bool = True
 ) -> list[ManoeuvreFindings]:
     """Every manoeuvre of a replay with the vehicle as given and at the deviations ``after`` (p,)."""
     neutral = np.zeros(len(replay.columns))
     weights = replay.weights()
+    restarts = free_runs and isinstance(replay, Replay)  # a wheel on a rig has no state to begin anew with
     found = []
     for number, manoeuvre in enumerate(replay.manoeuvres):
         signals = replay.signals(number)
@@ -34,14 +33,10 @@ def manoeuvre_findings(
                 weights=weights[number],
                 free_before=replay.free_run(neutral, number) if free_runs else None,
                 free_after=replay.free_run(after, number) if free_runs else None,
-                restarted_before=replay.free_run(neutral, number, HORIZON_S) if free_runs else None,
-                restarted_after=replay.free_run(after, number, HORIZON_S) if free_runs else None,
-                states=_states(replay, after, number),
+                restarted_before=replay.free_run(neutral, number, HORIZON_S) if restarts else None,
+                restarted_after=replay.free_run(after, number, HORIZON_S) if restarts else None,
+                states=replay.states(after, number),
                 held_out=held_out,
             )
         )
     return found
-
-
-def _states(replay: Replay, theta: FloatArray, number: int) -> Mapping[str, FloatArray]:
-    return replay.states(theta, number) if hasattr(replay, "states") else {}

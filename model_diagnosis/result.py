@@ -4,6 +4,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+Subject = Literal["car", "wheel_on_rig"]
+
 Verdict = Literal[
     "effect_found", "nothing_found", "data_fault", "indistinguishable", "insufficient_data", "wrong_vehicle"
 ]
@@ -123,6 +125,7 @@ class Diagnosis(Part):
     """The whole answer."""
 
     verdict: Verdict
+    subject: Subject = Field(default="car", description="what was replayed: a car, or one wheel whose slips a rig sets")
     data_faults: list[DataFault] = []
     causes: list[Cause] = []
     discovered_terms: list[DiscoveredTerm] = []

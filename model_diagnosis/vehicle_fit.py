@@ -17,7 +17,8 @@ from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.search import ratios
 from model_diagnosis.extension.car_change import change_of, is_of_the_car
 from model_diagnosis.manoeuvre import Manoeuvre
-from model_diagnosis.replay import Replay
+from model_diagnosis.replay import ReplayBase
+from model_diagnosis.replay.choosing import replay_class
 from model_diagnosis.result import DataFault
 from vehicle_model.vehicle_file import Scatter, VehicleFile
 
@@ -84,8 +85,9 @@ def fit_vehicle(
     InputError
         If nothing of the data can be compared with a replay.
     """
-    faults, repaired = check_data(manoeuvres, vehicle, Replay)
-    replay = Replay(vehicle, repaired)
+    model = replay_class(manoeuvres)
+    faults, repaired = check_data(manoeuvres, vehicle, model)
+    replay = model(vehicle, repaired)
     base = fit_base(replay, Priors.of(replay.parameters), progress)
     problem, theta = base.problem, base.nothing.theta
     quadratic = problem.quadratic(base.at_nothing, problem.rows(theta), theta)
@@ -104,7 +106,7 @@ def fit_vehicle(
 
 
 def _calibrated(
-    vehicle: VehicleFile, replay: Replay, column: int, deviation: float, left: float, stated: float
+    vehicle: VehicleFile, replay: ReplayBase, column: int, deviation: float, left: float, stated: float
 ) -> Calibrated:
     parameter, effect = replay.parameters[column], replay.effects[replay.owner[column]]
     reach = INTERVAL_STDS * left
@@ -126,7 +128,7 @@ def _calibrated(
     )
 
 
-def _misfit(replay: Replay, theta: np.ndarray) -> dict[str, tuple[float, float]]:
+def _misfit(replay: ReplayBase, theta: np.ndarray) -> dict[str, tuple[float, float]]:
     sums: dict[str, list[float]] = {}
     weights = replay.weights()
     for place, deviations in enumerate((np.zeros(len(replay.columns)), theta)):

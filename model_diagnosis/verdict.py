@@ -32,7 +32,7 @@ def verdict_of(
     effects: int,
 ) -> Verdict:
     """One word for the answer; the worst about the model first, then about the data."""
-    blind = len(insufficient) > BLIND_SHARE * OF_THE_CAR
+    blind = len(insufficient) > BLIND_SHARE * min(OF_THE_CAR, effects)  # a wheel on a rig shows a tyre's only
     if wrong is not None:
         return "insufficient_data" if blind else "wrong_vehicle"
     if causes:

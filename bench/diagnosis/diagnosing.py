@@ -236,7 +236,7 @@ def write(found: Found, folder: Path, *, stops: bool = True) -> Written:
     extended.unlink(missing_ok=True)
     answer = write_extension(found.findings, extended, found.vehicle, found.vehicle_argument)
     _write_answer(answer, folder)  # of minutes of searching nothing is lost, should a stop or the page fail
-    if stops and answer.extension_file:
+    if stops and answer.extension_file and answer.subject == "car":
         answer = with_stops(answer, found.vehicle_argument, extended)
         _write_answer(answer, folder)
     findings = replace(found.findings, diagnosis=answer)

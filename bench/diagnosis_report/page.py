@@ -14,6 +14,9 @@ from bench.diagnosis_report.signal_charts import add_signal_charts, ranked_signa
 from bench.diagnosis_report.timeline import Timeline
 from bench.diagnosis_report.words import (
     BADGES,
+    DRIVEN,
+    REPLAYS,
+    SUBJECTS,
     gain_words,
     headline,
     parameter_texts,
@@ -59,6 +62,9 @@ def page_of(findings: Findings) -> str:
         "symbol": _SYMBOLS[badge],
         "verdict": verdict,
         "headline": headline(diagnosis),
+        "subject": SUBJECTS[diagnosis.subject],
+        "driven": DRIVEN[diagnosis.subject],
+        "replay": REPLAYS[diagnosis.subject],
         "findings": findings,
         "diagnosis": diagnosis,
         "facts": _facts(findings),
@@ -87,7 +93,7 @@ def page_of(findings: Findings) -> str:
         "separated": [plain(name) for name in diagnosis.next_manoeuvre.separates] if diagnosis.next_manoeuvre else [],
         "timing": [(plain(step), f"{seconds:.1f} s") for step, seconds in diagnosis.timing_s.items()],
         "versions": [(name, str(value)) for name, value in diagnosis.versions.items()],
-        "extended": bool(diagnosis.causes or diagnosis.discovered_terms),
+        "extended": any(np.any(part.after != part.before) for part in findings.manoeuvres),
     }
     steps = [{"name": s.name, "start": s.start_s, "end": s.end_s} for s in timeline.stretches]
     return render("diagnosis.html.j2", book.inline(steps), contents)

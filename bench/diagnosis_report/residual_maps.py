@@ -1,4 +1,4 @@
-"""Where the residuals live: their mean over speed, slip, pressure and temperature, before and after, as pictures."""
+"""Where the residuals live: their mean over speed, slip, load, pressure, temperature, before and after, in pictures."""
 
 import math
 from collections.abc import Sequence
@@ -41,18 +41,36 @@ STATES = (
     ("speed", "speed", "km/h", 3.6),
     ("brake_slip", "brake slip", "%", 100.0),
     ("slip_angle", "slip angle", "°", 180.0 / math.pi),
+    ("load", "vertical load", "kN", 1e-3),
     ("pressure", "brake pressure", "bar", 1e-5),
     ("temperature", "disc temperature", "°C", 1.0),
 )
 STEMS = {
     "brake_slip": ("slip_ratio_", -1.0),
     "slip_angle": ("slip_angle_", 1.0),
+    "load": ("vertical_load_", 1.0),
     "pressure": ("brake_pressure_", 1.0),
     "temperature": ("brake_disc_temperature_", 1.0),
 }
-LEAST_SPAN = {"speed": 1.0, "brake_slip": 0.005, "slip_angle": 0.003, "pressure": 1e5, "temperature": 5.0}
-"""Span of a state [m/s, 1, rad, Pa, K] over which a mean says anything: a disc that warms by half a degree does not."""
-LATERAL = ("lateral_acceleration", "yaw_rate", "lateral_speed", "side_slip_angle", "roll_rate", "roll_angle")
+LEAST_SPAN = {
+    "speed": 1.0,
+    "brake_slip": 0.005,
+    "slip_angle": 0.003,
+    "load": 500.0,
+    "pressure": 1e5,
+    "temperature": 5.0,
+}
+"""Span of a state [m/s, 1, rad, N, Pa, K] over which a mean says anything: half a degree of a disc does not."""
+FORCES = ("longitudinal_force_", "lateral_force_")
+LATERAL = (
+    "lateral_force_",
+    "lateral_acceleration",
+    "yaw_rate",
+    "lateral_speed",
+    "side_slip_angle",
+    "roll_rate",
+    "roll_angle",
+)
 
 
 def residual_maps(findings: Findings, signals: Sequence[str]) -> list[tuple[str, str, list[Markup]]]:
@@ -89,8 +107,8 @@ def binned_residual(findings: Findings, signal: str, state: str) -> Binned | Non
     findings : Findings
     signal : str
         A compared signal; for that of one wheel, slip, pressure and temperature are that wheel's. The slip angle is
-        looked at for lateral signals, the brake slip for the others.
-    state : {"speed", "brake_slip", "slip_angle", "pressure", "temperature"}
+        looked at for lateral signals, the brake slip for the others, the load for a wheel's forces.
+    state : {"speed", "brake_slip", "slip_angle", "load", "pressure", "temperature"}
     """
     over, before, after = [], [], []
     for part in findings.manoeuvres:
@@ -126,7 +144,9 @@ def state_of(part: ManoeuvreFindings, signal: str, state: str) -> FloatArray | N
     known = {**part.manoeuvre.channels, **part.states}
     if state == "speed":
         return known.get("speed")
-    if (state == "slip_angle") != (signal in LATERAL) and state in ("slip_angle", "brake_slip"):
+    if (state == "slip_angle") != signal.startswith(LATERAL) and state in ("slip_angle", "brake_slip"):
+        return None
+    if state == "load" and not signal.startswith(FORCES):
         return None
     stem, sign = STEMS[state]
     own = signal.rpartition("_")[2]

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from bench.diagnosis_report.timeline import Timeline
-from bench.diagnosis_report.words import shown, signal_words
+from bench.diagnosis_report.words import REPLAYS, shown, signal_words
 from bench.report.charts import Area, Chart, ChartBook, LineChart, Series
 from model_diagnosis.findings import Findings, FloatArray, ManoeuvreFindings
 from signals.measured.channel_map import channel_units
@@ -21,7 +21,7 @@ def add_signal_charts(book: ChartBook, timeline: Timeline, findings: Findings) -
     for name in ranked_signals(timeline, findings.sensor_std):
         charts = [
             _curves(book, timeline, name, findings.sensor_std, extended),
-            _residuals(book, timeline, name, findings.sensor_std, extended),
+            _residuals(book, timeline, name, findings, extended),
         ]
         book.add_section(signal_words(name).capitalize(), charts)
 
@@ -104,11 +104,9 @@ def _curves(
     )
 
 
-def _residuals(
-    book: ChartBook, timeline: Timeline, name: str, sensor_std: Mapping[str, float], extended: bool
-) -> Chart | None:
+def _residuals(book: ChartBook, timeline: Timeline, name: str, findings: Findings, extended: bool) -> Chart | None:
     factor, unit = shown(name, channel_units().get(name, "1"))
-    before = residual_of(timeline, name, after=False)
+    before, sensor_std = residual_of(timeline, name, after=False), findings.sensor_std
     series = [_series(book, timeline, f"{name}.residual_before", before, factor, "vehicle file", BEFORE, weight="thin")]
     if extended:
         after = residual_of(timeline, name, after=True)
@@ -124,7 +122,7 @@ def _residuals(
         "measured less replayed",
         unit,
         series,
-        explanation="observer replay; grey: sensor ± 2 σ",
+        explanation=f"{REPLAYS[findings.diagnosis.subject]}; grey: sensor ± 2 σ",
         height=210,
         areas=areas,
         smallest_span=4 * band * factor,

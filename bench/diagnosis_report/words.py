@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from bench.report.formatting import display, number
-from model_diagnosis.result import Cause, Diagnosis, ParameterEstimate, Verdict
+from model_diagnosis.result import Cause, Diagnosis, ParameterEstimate, Subject, Verdict
 from signals.wheels import WHEELS
 
 WHEEL_WORDS = dict(zip(WHEELS, ("front left", "front right", "rear left", "rear right"), strict=True))
@@ -16,6 +16,11 @@ BADGES: dict[Verdict, tuple[str, str]] = {
     "insufficient_data": ("inconclusive", "insufficient data"),
     "wrong_vehicle": ("fail", "wrong vehicle"),
 }
+SUBJECTS: dict[Subject, str] = {"car": "car", "wheel_on_rig": "tyre"}
+DRIVEN: dict[Subject, str] = {"car": "inputs", "wheel_on_rig": "slips, load and speed of a rig"}
+"""What drives the replay, as measured."""
+REPLAYS: dict[Subject, str] = {"car": "observer replay", "wheel_on_rig": "replay"}
+"""What the residuals are of."""
 _SIGNAL_WORDS = {
     "longitudinal_acceleration": "longitudinal acceleration",
     "speed": "speed over ground",
@@ -53,10 +58,12 @@ def shown(signal: str, unit: str) -> tuple[float, str]:
 
 def headline(diagnosis: Diagnosis) -> str:
     """One sentence that answers the question."""
-    causes = diagnosis.causes
+    causes, subject = diagnosis.causes, SUBJECTS[diagnosis.subject]
     match diagnosis.verdict:
         case "effect_found":
-            return f"The car differs from its vehicle file: {_and([_with_change(c) for c in accepted(diagnosis)])}."
+            return (
+                f"The {subject} differs from its vehicle file: {_and([_with_change(c) for c in accepted(diagnosis)])}."
+            )
         case "indistinguishable":
             group = causes[0].group if causes else []
             return f"One of {_or([plain(name) for name in group])}; this data cannot tell which."
@@ -64,9 +71,9 @@ def headline(diagnosis: Diagnosis) -> str:
             return "The vehicle file explains the data: nothing goes beyond its stated scatter."
         case "data_fault":
             faults = _and(list(dict.fromkeys(f"{plain(f.kind)} in {f.channel}" for f in diagnosis.data_faults)))
-            return f"The data has a fault, the car has none that shows: {faults}."
+            return f"The data has a fault, the {subject} has none that shows: {faults}."
         case "wrong_vehicle":
-            said = "Several parameters are far off at once: this is probably not the car of the vehicle file."
+            said = f"Several parameters are far off at once: this is probably not the {subject} of the vehicle file."
             own = " The extended vehicle file has the numbers that the data say."
             return said + (own if diagnosis.extension_file else "")
         case "insufficient_data":

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from model_diagnosis.data.geometry import Geometry
+from model_diagnosis.data.rig import is_on_rig
 from model_diagnosis.data.sample_values import is_motion
 from model_diagnosis.data.samples import FloatArray
 from model_diagnosis.data.twins import Motion
@@ -19,7 +20,8 @@ _BRAKING_M_S2 = 2.5
 
 def check_constant(manoeuvres: Sequence[Manoeuvre]) -> tuple[list[DataFault], list[Manoeuvre]]:
     """Name channels that never change although the car moves; they are left out."""
-    dead = [name for name in _all_channels(manoeuvres) if _is_dead(manoeuvres, name)]
+    set_on_rig = ("speed",) if is_on_rig(manoeuvres) else ()
+    dead = [name for name in _all_channels(manoeuvres) if name not in set_on_rig and _is_dead(manoeuvres, name)]
     faults = []
     for name in dead:
         value = next(float(m.channels[name][0]) for m in manoeuvres if name in m.channels)

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from model_diagnosis.data.rig import is_on_rig
+from model_diagnosis.data.rig_sweeps import farthest_apart
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, FloatArray, Manoeuvre
 from signals.errors import InputError
 from signals.wheels import WHEELS
@@ -14,7 +16,8 @@ _BLOCK_S = 0.5
 def liveliest(manoeuvres: Sequence[Manoeuvre], at_most_s: float) -> list[Manoeuvre]:
     """Manoeuvres with the largest changes of speed and direction, in their order, of ``at_most_s`` together.
 
-    The liveliest one is taken in any case. What lasts longer than the rest of the time is passed over.
+    The liveliest one is taken in any case. What lasts longer than the rest of the time is passed over. Of a wheel on
+    a rig those that are farthest apart are taken: it is lively in all of them, each at one load.
 
     Raises
     ------
@@ -23,7 +26,10 @@ def liveliest(manoeuvres: Sequence[Manoeuvre], at_most_s: float) -> list[Manoeuv
     """
     if at_most_s <= 0.0:
         raise InputError("time to search", found=f"{at_most_s:g} s", allowed="above 0 s", mend="120 s is enough")
-    order = sorted(range(len(manoeuvres)), key=lambda k: liveliness(manoeuvres[k]), reverse=True)
+    if is_on_rig(manoeuvres):
+        order = farthest_apart(manoeuvres)
+    else:
+        order = sorted(range(len(manoeuvres)), key=lambda k: liveliness(manoeuvres[k]), reverse=True)
     chosen: list[int] = []
     left = at_most_s
     for k in order:

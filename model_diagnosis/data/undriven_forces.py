@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from model_diagnosis.data.level_checks import without
+from model_diagnosis.data.rig import is_on_rig
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.result import DataFault
 
@@ -13,9 +14,10 @@ _BRAKES = ("brake_pressure_", "master_pressure", "drive_torque_", "engine_torque
 def check_undriven_forces(manoeuvres: Sequence[Manoeuvre]) -> tuple[list[DataFault], list[Manoeuvre]]:
     """Leave out wheel forces whose cause no channel tells, and name that channel as missing.
 
-    A wheel on a rig is given its slip and slip angle; the replay is of a car, which has them from steering, brakes and
-    drive.
+    A car's slips follow from steering, brakes and drive. Those of one wheel on a rig are set, and drive its forces.
     """
+    if is_on_rig(manoeuvres):
+        return [], list(manoeuvres)
     channels = {name for manoeuvre in manoeuvres for name in manoeuvre.channels}
     faults: list[DataFault] = []
     left_out: list[str] = []

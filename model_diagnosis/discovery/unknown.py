@@ -28,6 +28,7 @@ from model_diagnosis.evidence.quadratic import Quadratic
 from model_diagnosis.evidence.search import Search, ratios
 from model_diagnosis.evidence.selection import Selection, Selector
 from model_diagnosis.extension.extended_vehicle import FoundTerm
+from model_diagnosis.replay.base import ReplayBase
 from model_diagnosis.replay.replay import Replay
 from model_diagnosis.replay.terms import FACTORS
 from model_diagnosis.result import DiscoveredTerm as TermOfAnswer
@@ -104,7 +105,7 @@ class FoundUnknown:
         }
         return held_out.with_terms([replace(other.course, parts=parts)])
 
-    def theta_on(self, held_out: Replay, theta: FloatArray) -> FloatArray:
+    def theta_on(self, held_out: ReplayBase, theta: FloatArray) -> FloatArray:
         """Deviations of the search's replay as those of ``on(held_out)``, given with or without the term."""
         own = list(self.selection.accepted[0].hypothesis.columns)
         added = {self.replay.columns[column] for column in own}

@@ -151,10 +151,35 @@ FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
 )
 """Those that act before the wheel brakes."""
 
+_RIG_FORCES = ("longitudinal_force_fl", "lateral_force_fl")
+
+FORM_RIG_EFFECTS: tuple[Effect, ...] = (
+    _form(
+        "form_rig_forces",
+        Group.SENSOR,
+        "F_x <- F_x + a F_z + b_x, F_y <- F_y + b_y, each later by tau: what a hub's load cells read of a tyre's force",
+        _RIG_FORCES,
+        # a slip that is counted from free rolling leaves the rolling resistance in the force along
+        EffectParameter("rolling", "1", -0.05, 0.05, 0.02, 0.02, relative=False),
+        EffectParameter("offset_along", "N", -100.0, 100.0, 10.0, 10.0, relative=False),
+        EffectParameter("offset_across", "N", -100.0, 100.0, 10.0, 10.0, relative=False),
+        EffectParameter("lag", "s", -0.02, 0.02, 0.003, 0.003, relative=False),
+    ),
+    _form(
+        "form_rig_slips",
+        Group.SENSOR,
+        "alpha <- alpha + d_alpha, kappa <- kappa + d_kappa: where a rig's slips are 0",
+        _RIG_FORCES,
+        EffectParameter("angle", "rad", -0.01, 0.01, 0.001, 0.001, relative=False),
+        EffectParameter("ratio", "1", -0.02, 0.02, 0.002, 0.002, relative=False),
+    ),
+)
+"""Those of one wheel on a rig."""
+
 OTHER_FORMS = {"form_transient.share": 1.0}
 """Columns that stand for a choice between two forms, and their value in the other one; between the two no way leads."""
 
-FORM_NAMES = frozenset(effect.name for effect in (*FORM_EFFECTS, *FORM_HYDRAULICS_EFFECTS))
+FORM_NAMES = frozenset(effect.name for effect in (*FORM_EFFECTS, *FORM_HYDRAULICS_EFFECTS, *FORM_RIG_EFFECTS))
 """Names of effects that are no causes."""
 
 REPLAYED: tuple[Effect, ...] = (*EFFECTS, *FORM_EFFECTS, *FORM_HYDRAULICS_EFFECTS)

@@ -3,11 +3,11 @@
 from model_diagnosis.evidence.answer import INTERVAL_STD
 from model_diagnosis.evidence.wrong_vehicle import WrongVehicle
 from model_diagnosis.extension.extended_vehicle import FoundEffect, Interval
-from model_diagnosis.replay.replay import Replay
+from model_diagnosis.replay.base import ReplayBase
 from model_diagnosis.result import Gain
 
 
-def numbers_of(replay: Replay, wrong: WrongVehicle, gain: Gain | None) -> list[FoundEffect]:
+def numbers_of(replay: ReplayBase, wrong: WrongVehicle, gain: Gain | None) -> list[FoundEffect]:
     """Every number of the car as an effect of its own, with the 90 % interval of what the data say."""
     if wrong.theta is None:
         return []

@@ -6,9 +6,14 @@ from signals.compile_cache import prepare_compile_cache
 
 prepare_compile_cache()
 
-_EXPORTS = {"Replay": "model_diagnosis.replay.replay", "equation_errors": "model_diagnosis.replay.equations"}
+_EXPORTS = {
+    "Replay": "model_diagnosis.replay.replay",
+    "ReplayBase": "model_diagnosis.replay.base",
+    "RigReplay": "model_diagnosis.replay.rig",
+    "equation_errors": "model_diagnosis.replay.equations",
+}
 
-__all__ = ["Replay", "equation_errors"]
+__all__ = ["Replay", "ReplayBase", "RigReplay", "equation_errors"]
 
 
 def __getattr__(name: str) -> Any:

@@ -43,17 +43,20 @@ _KEPT: dict[str, NominalCar] = {}
 _MOST_KEPT = 8
 
 
-def nominal_car(vehicle: VehicleFile) -> NominalCar:
-    """Record and tables of a vehicle; those of the last few are kept, since fitting the tyres takes a while."""
-    key = vehicle.model_dump_json()
+def nominal_car(vehicle: VehicleFile, tyre_load: float | None = None) -> NominalCar:
+    """Record and tables of a vehicle; those of the last few are kept, since fitting the tyres takes a while.
+
+    ``tyre_load`` [N] is the one at which the tyres are sampled, the static loads of the axles if left out.
+    """
+    key = f"{tyre_load} {vehicle.model_dump_json()}"
     if key not in _KEPT:
         if len(_KEPT) >= _MOST_KEPT:
             _KEPT.pop(next(iter(_KEPT)))
-        _KEPT[key] = _build(vehicle)
+        _KEPT[key] = _build(vehicle, tyre_load)
     return _KEPT[key]
 
 
-def _build(vehicle: VehicleFile) -> NominalCar:
+def _build(vehicle: VehicleFile, tyre_load: float | None) -> NominalCar:
     record = np.zeros(1, REPLAY_RECORD)
     entry = record[0]
     _write_body(entry, vehicle)
@@ -65,7 +68,7 @@ def _build(vehicle: VehicleFile) -> NominalCar:
     tables = np.zeros((2, 2, CELLS + 1, 2))
     errors = []
     for axle in range(2):
-        form = _write_tyre(entry, vehicle, axle)
+        form = _write_tyre(entry, vehicle, axle, tyre_load)
         tables[axle, 0], tables[axle, 1] = form.longitudinal.table, form.lateral.table
         errors.append(form.error)
     return NominalCar(record, tables, (errors[0], errors[1]))
@@ -121,12 +124,13 @@ def _write_wheels(entry: np.void, vehicle: VehicleFile) -> None:
         entry["drive_share"][i] = shares[i]
 
 
-def _write_tyre(entry: np.void, vehicle: VehicleFile, axle: int) -> TyreForm:
+def _write_tyre(entry: np.void, vehicle: VehicleFile, axle: int, tyre_load: float | None) -> TyreForm:
     pair = vehicle.tyre_pair
     tyre = pair.front if axle == 0 else pair.rear
     if isinstance(tyre, TirTyre):
         fill_in(tyre)
-    load = vehicle.static_loads()[2 * axle]
+    static_load = vehicle.static_loads()[2 * axle]
+    load = static_load if tyre_load is None else tyre_load
     form = fit_tyre(tyre, load)
     wheels = slice(2 * axle, 2 * axle + 2)
     for letter, direction in (("x", form.longitudinal), ("y", form.lateral)):
@@ -137,7 +141,7 @@ def _write_tyre(entry: np.void, vehicle: VehicleFile, axle: int) -> TyreForm:
     if isinstance(tyre, CurveTyre):
         entry["nominal_load"][wheels], entry["file_load_loss"][wheels] = tyre.nominal_load, tyre.load_sensitivity
     else:
-        entry["nominal_load"][wheels] = load
+        entry["nominal_load"][wheels] = static_load
     entry["reference_load"][wheels], entry["friction_stiffens"][wheels] = load, form.friction_stiffens
     entry["relaxation_x"][wheels] = tyre.relaxation_length_longitudinal
     entry["relaxation_y"][wheels] = tyre.relaxation_length_lateral

@@ -5,12 +5,10 @@ theta = np.zeros(len(replay.columns))
 replay.residuals(theta)[0]        # (n, c) measured minus predicted of the first manoeuvre
 """
 
-import os
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from copy import copy
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,25 +17,23 @@ from model_diagnosis.effects.effect import Application, Effect
 from model_diagnosis.effects.form import REPLAYED
 from model_diagnosis.effects.sensor_chain import measured_signals, sensor_columns, true_inputs
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from model_diagnosis.replay.base import STEP_SHARE, ReplayBase
 from model_diagnosis.replay.columns import Columns
-from model_diagnosis.replay.derived import derive
-from model_diagnosis.replay.deviations import RECORD_COLUMNS, change_record
 from model_diagnosis.replay.hydraulic import (
     HYDRAULIC_COLUMNS,
     acts_by_valves,
     acts_on_pressures,
     reported_pressure,
 )
-from model_diagnosis.replay.inputs import SLOWEST_M_S, read_inputs, reference_speed, with_pressures
-from model_diagnosis.replay.nominal import NominalCar, nominal_car
-from model_diagnosis.replay.parameters import nominal_value, values_of
+from model_diagnosis.replay.inputs import read_inputs, with_pressures
+from model_diagnosis.replay.nominal import nominal_car
+from model_diagnosis.replay.parameters import values_of
 from model_diagnosis.replay.parts import Parts, selected
 from model_diagnosis.replay.prepared import PRESSURES, Prepared, prepare
 from model_diagnosis.replay.record import OUTPUTS, SHOWN_STATES
 from model_diagnosis.replay.sensors import own_noise
 from model_diagnosis.replay.sweep import replay_cars
 from model_diagnosis.replay.terms import TermCourse, with_terms
-from model_diagnosis.replay.tyre_shape import shaped_tables
 from model_diagnosis.replay.wheel_pressures import WheelPressures
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
@@ -56,14 +52,11 @@ one: the prediction would gain by a wrong inertia, a wrong differential, a wrong
 
 _FREE = np.zeros(len(_GAINS) + 1)
 
-_CARS_KEPT, _PARTS_KEPT = 256, 6
-
-_STEP_SHARE = 0.001
-"""Step of a finite difference over the effect's width: a car's replay is smooth, and of the residuals that a wrong form
-leaves, even a slope that is a few percent off promises what no step holds."""
+_PARTS_KEPT = 6
 
 _COARSE_STEP_SHARE = 0.05
-"""The same for what acts by jumps: a hydraulic unit that moves by steps, roads that change at once."""
+"""Step of a finite difference over the effect's width for what acts by jumps: a hydraulic unit that moves by steps,
+roads that change at once."""
 
 _ACT_BY_JUMPS = ("mu_step.place",)
 
@@ -72,7 +65,7 @@ _OBSERVED_SENSORS = ("gyro_offset", "gyro_scale", "tone_ring_error")
 """Effects of sensors that the observer corrects on, so that their columns need a replay."""
 
 
-class Replay:
+class Replay(ReplayBase):
     """The vehicle driven by the measured inputs of each manoeuvre.
 
     Parameters
@@ -91,11 +84,7 @@ class Replay:
 
     Attributes
     ----------
-    columns : (p) names ``<effect>.<parameter>``, then those of single manoeuvres
-    parameters : (p) of the columns, bounds and scatter as for this vehicle
-    owner : (p,) index into ``effects``
-    prepared : what stays the same of each manoeuvre
-    car, pressures : the vehicle without deviations, and its hydraulic unit
+    pressures : the vehicle's hydraulic unit, without deviations
     gains : (5,) of the observer, and the dead band of the wheel speeds [rad/s]
 
     Raises
@@ -113,30 +102,17 @@ class Replay:
         threads: int | None = None,
         conditions: bool = False,
     ) -> None:
-        self.vehicle = vehicle
-        self.manoeuvres = tuple(manoeuvres)
-        self.effects = tuple(effect for effect in effects if effect.application in _REPLAYED)
-        self._values = values_of(vehicle)
-        self._set_columns(
-            Columns.of(self.effects, self._values, vehicle.scatter, len(self.manoeuvres) if conditions else 0)
-        )
-        self._threads = threads or os.cpu_count() or 1
-        self.car: NominalCar = nominal_car(vehicle)
+        carried = tuple(effect for effect in effects if effect.application in _REPLAYED)
+        columns = Columns.of(carried, values_of(vehicle), vehicle.scatter, len(manoeuvres) if conditions else 0)
+        super().__init__(vehicle, manoeuvres, columns, nominal_car(vehicle), threads)
         self.pressures = WheelPressures(vehicle)
         self.gains = np.array([*_GAINS, _DEAD_BAND * own_noise(vehicle, "wheel_speed_fl")])
-        # every manoeuvre and every column of a sweep asks for the same few cars
-        self._cars = lru_cache(maxsize=_CARS_KEPT)(self._make_car)
-        self._tables = lru_cache(maxsize=_CARS_KEPT)(self._make_tables)
         nominal = self._record_at({})[0]
-        self.prepared = self.pressures.settled(
+        self.prepared: Sequence[Prepared] = self.pressures.settled(
             [prepare(one, vehicle, nominal, m) for m, one in enumerate(self.manoeuvres)]
         )
         # fits change what acts on the pressures and what does not in turn
         self._known = [deque[Parts](maxlen=_PARTS_KEPT) for _ in self.prepared]
-
-    def _set_columns(self, columns: Columns) -> None:
-        self._columns, self.effects, self.columns = columns, columns.effects, columns.names
-        self.parameters, self.owner = columns.parameters, columns.owner
 
     def with_terms(self, terms: Sequence[TermCourse]) -> "Replay":
         """The same with columns of these terms behind all others."""
@@ -144,41 +120,6 @@ class Replay:
         other._set_columns(self._columns.with_terms(terms))
         other._known = [deque[Parts](maxlen=_PARTS_KEPT) for _ in self.prepared]
         return other
-
-    @property
-    def tyre_error(self) -> tuple[float, float]:
-        """Largest difference of the replay's tyre force from the vehicle's tyre over the load, front and rear."""
-        return self.car.tyre_error
-
-    def signals(self, m: int) -> tuple[str, ...]:
-        """Compared signals of manoeuvre ``m``, the columns of its arrays."""
-        return self.prepared[m].signals
-
-    def weights(self) -> list[FloatArray]:
-        """Weights (n, c) of each manoeuvre: 0 where a sample is missing, below 4 m/s, or says nothing."""
-        return [prepared.weights for prepared in self.prepared]
-
-    def measured(self, m: int) -> FloatArray:
-        """Measured signals (n, c) of manoeuvre ``m``."""
-        return self.prepared[m].measured
-
-    def moving(self, m: int) -> NDArray[np.bool_]:
-        """True (n,) where manoeuvre ``m`` is driven at 4 m/s or more."""
-        return reference_speed(self.manoeuvres[m], self.vehicle) >= SLOWEST_M_S
-
-    def car_at(self, theta: FloatArray) -> np.void:
-        """Numbers of the car (``REPLAY_RECORD``) at deviations theta, those of single manoeuvres left out."""
-        entry: np.void = self._record_at(self.deviations_at(theta))[0]
-        return entry
-
-    def _record_at(self, deviations: Mapping[str, float]) -> NDArray[np.void]:
-        return self._cars(tuple((column, value) for column, value in deviations.items() if column in RECORD_COLUMNS))
-
-    def _make_car(self, deviations: tuple[tuple[str, float], ...]) -> NDArray[np.void]:
-        cars = self.car.record.copy()
-        change_record(cars, dict(deviations))
-        derive(cars)
-        return cars
 
     def predict(self, theta: FloatArray, m: int) -> FloatArray:
         """Observer replay (n, c): each sample predicted from those before it, with the same gains for every theta."""
@@ -202,18 +143,6 @@ class Replay:
         values = self.car_outputs(deviations, prepared, pressures, self.gains, 0, chosen)
         return {name: values[:, k] for k, name in enumerate(SHOWN_STATES)}
 
-    def residuals(self, theta: FloatArray) -> list[FloatArray]:
-        """Measured minus predicted (n, c) of each manoeuvre, 0 where the weight is 0."""
-
-        def of(m: int) -> FloatArray:
-            prepared = self.prepared[m]
-            return np.where(prepared.weights > 0.0, prepared.measured - self.predict(theta, m), 0.0)
-
-        if self._threads == 1 or len(self.prepared) == 1:
-            return [of(m) for m in range(len(self.prepared))]
-        with ThreadPoolExecutor(self._threads) as pool:
-            return list(pool.map(of, range(len(self.prepared))))
-
     def sensitivities(self, theta: FloatArray, columns: Sequence[int] | None = None) -> list[FloatArray]:
         """Derivatives of the prediction by the deviations, (n, c, len(columns)) of each manoeuvre.
 
@@ -235,28 +164,6 @@ class Replay:
             if name in signals:
                 moved[signals.index(name), 0] = gain
         return moved
-
-    def sensor_std(self, signal: str) -> float:
-        """Own noise of a signal's sensor in the signal's unit."""
-        return own_noise(self.vehicle, signal)
-
-    def physical(self, column: str | int, deviation: float) -> tuple[float, str, float]:
-        """Physical value, unit and nominal value of a column at a deviation.
-
-        Raises
-        ------
-        InputError
-            If there is no such column.
-        """
-        index = self._columns.index(column)
-        parameter = self.parameters[index]
-        nominal, unit = nominal_value(parameter, self._values)
-        value = nominal * (1.0 + deviation) if parameter.relative else nominal + deviation
-        return value, unit, nominal
-
-    def deviations_at(self, theta: FloatArray, m: int | None = None) -> dict[str, float]:
-        """Deviations that are not 0, by column; ``m`` with those that hold in that manoeuvre only."""
-        return self._columns.deviations(theta, m)
 
     def inputs_at(
         self, deviations: Mapping[str, float], prepared: Prepared, pressures: FloatArray | None
@@ -293,15 +200,6 @@ class Replay:
         replay_cars(cars, 0, 1, *fixed, *how, out)
         return out[0]
 
-    def tables_at(self, deviations: Mapping[str, float]) -> FloatArray:
-        """Tables of the tyres, reshaped where a deviation asks for it."""
-        loss = deviations.get("tyre_peak_shape.sliding_loss", 0.0)
-        shift = deviations.get("tyre_peak_shape.peak_slip", 0.0)
-        return self.car.tables if loss == 0.0 and shift == 0.0 else self._tables(loss, shift)
-
-    def _make_tables(self, loss: float, shift: float) -> FloatArray:
-        return shaped_tables(self.car.tables, self.car.record[0]["peak_slip_x"][::2], loss, shift)
-
     def _parts(
         self,
         deviations: Mapping[str, float],
@@ -334,7 +232,7 @@ class Replay:
     def _step_of(self, theta: FloatArray, column: int) -> float:
         parameter, name = self.parameters[column], self.columns[column]
         jumps = name in _ACT_BY_JUMPS or (acts_on_pressures(name) and not self.pressures.unit.flows)
-        step = (_COARSE_STEP_SHARE if jumps else _STEP_SHARE) * parameter.effect_std
+        step = (_COARSE_STEP_SHARE if jumps else STEP_SHARE) * parameter.effect_std
         return step if theta[column] + step <= parameter.high else -step
 
     def _sweep(self, theta: FloatArray, m: int, columns: Sequence[int], pool: ThreadPoolExecutor) -> FloatArray:

@@ -7,6 +7,8 @@ from numba import njit
 from model_diagnosis.replay.record import CELLS, Record
 
 LEAST_SHARE = 0.05
+_TREAD_HEAT_J_K = 5400.0
+_TREAD_COOLING_1_S = 1.0 / 60.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -73,3 +75,41 @@ def road_friction(p: Record, wheel: int, load: float, distance: float, speed: fl
     if p.heat_fade != 0.0:
         friction *= max(1.0 - p.heat_fade * over_temperature * over_temperature, LEAST_SHARE)
     return max(friction, LEAST_SHARE)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def wheel_forces(
+    p: Record, s: Record, i: int, slip_x: float, slip_y: float, load: float, speed: float
+) -> tuple[float, float, float, float]:
+    """Forces [N] of a wheel's tyre along and across, the slope of the first by its slip, and the relative slip.
+
+    Parameters
+    ----------
+    slip_x, slip_y : slips that the tyre's relaxation leaves
+    load : N
+    speed : of the wheel along its plane [m/s]
+    """
+    friction = road_friction(p, i, load, s.distance, speed, s.tyre_heat[i]) * s.grip_share[i]
+    rise = load * p.inverse_load[i] - 1.0
+    share_x, share_y = load_share(p.load_loss_x[i], rise), load_share(p.load_loss_y[i], rise)
+    inverse_x = p.inverse_peak_x[i] * load_share(p.stiffness_loss_x[i], rise) / share_x
+    inverse_y = p.inverse_peak_y[i] * load_share(p.stiffness_loss_y[i], rise) / share_y
+    if p.friction_stiffens[i] != 1.0 and friction != 1.0:
+        softer = friction ** (p.friction_stiffens[i] - 1.0)
+        inverse_x, inverse_y = inverse_x * softer, inverse_y * softer
+    force_x, force_y, slope, relative = tyre_forces(
+        s,
+        i // 2,
+        slip_x * inverse_x,
+        slip_y * inverse_y,
+        p.peak_x[i] * friction * share_x * load,
+        p.peak_y[i] * friction * share_y * load,
+    )
+    force_y += p.camber_stiffness * p.camber_angle * load + p.conicity
+    return force_x, force_y, slope * inverse_x, relative
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def warm_tread(s: Record, i: int, sliding_power: float, step: float) -> None:
+    """Half of the sliding power [W] of a step warms the tread, which cools towards the air."""
+    s.tyre_heat[i] += step * (0.5 * sliding_power / _TREAD_HEAT_J_K - s.tyre_heat[i] * _TREAD_COOLING_1_S)

@@ -9,17 +9,15 @@ import math
 from numba import njit
 
 from model_diagnosis.replay.brake_step import brake_capacity
-from model_diagnosis.replay.lag_step import followed
+from model_diagnosis.replay.lag_step import behind, followed
 from model_diagnosis.replay.record import Record
-from model_diagnosis.replay.tyre_step import load_share, road_friction, tyre_forces
+from model_diagnosis.replay.tyre_step import warm_tread, wheel_forces
 
 _SLOWEST_M_S = 0.5
 """Least divisor of slips: the replay is compared above walking speed only."""
 _LIGHTEST_N = 1.0
 _PRELOAD_SPAN_RAD_S = 0.5
 _COASTING_NM = 1.0
-_TREAD_HEAT_J_K = 5400.0
-_TREAD_COOLING_1_S = 1.0 / 60.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -94,24 +92,8 @@ def move_wheel(
     slip_y = s.lagged_y[i] + share_of_y * (now_y - s.lagged_y[i])
     s.slip_x[i], s.slip_y[i] = now_x, now_y
 
-    friction = road_friction(p, i, load, s.distance, abs(v_x), s.tyre_heat[i]) * s.grip_share[i]
-    rise = load * p.inverse_load[i] - 1.0
-    share_x, share_y = load_share(p.load_loss_x[i], rise), load_share(p.load_loss_y[i], rise)
-    inverse_x = p.inverse_peak_x[i] * load_share(p.stiffness_loss_x[i], rise) / share_x
-    inverse_y = p.inverse_peak_y[i] * load_share(p.stiffness_loss_y[i], rise) / share_y
-    if p.friction_stiffens[i] != 1.0 and friction != 1.0:
-        softer = friction ** (p.friction_stiffens[i] - 1.0)
-        inverse_x, inverse_y = inverse_x * softer, inverse_y * softer
-    force_x, force_y, slope, relative = tyre_forces(
-        s,
-        i // 2,
-        slip_x * inverse_x,
-        slip_y * inverse_y,
-        p.peak_x[i] * friction * share_x * load,
-        p.peak_y[i] * friction * share_y * load,
-    )
-    force_y += p.camber_stiffness * p.camber_angle * load + p.conicity
-    slope = max(slope * inverse_x * slip_slope, 0.0) * share_of_x
+    force_x, force_y, slope, relative = wheel_forces(p, s, i, slip_x, slip_y, load, abs(v_x))
+    slope = max(slope * slip_slope, 0.0) * share_of_x
     force_share_x = force_share_y = 1.0
     if p.lag_on_force != 0.0:
         force_share_x = way / (2.0 * p.lag_on_force * p.relaxation_x[i] + way)
@@ -122,19 +104,13 @@ def move_wheel(
     change, mean_x = _spin(p, s, i, step, load, radius, mean_x, slope)
     s.lagged_x[i] = followed(s.lagged_x[i], now_x, slip_slope * change, share_of_x)
     s.lagged_y[i] = followed(s.lagged_y[i], now_y, 0.0, share_of_y)
-    s.lagged_force_x[i] = _behind(s.lagged_force_x[i], mean_x, force_share_x)
-    s.lagged_force_y[i] = _behind(s.lagged_force_y[i], mean_y, force_share_y)
+    s.lagged_force_x[i] = behind(s.lagged_force_x[i], mean_x, force_share_x)
+    s.lagged_force_y[i] = behind(s.lagged_force_y[i], mean_y, force_share_y)
     s.tyre_x[i], s.tyre_y[i] = mean_x, mean_y
     s.aligning[i] = -p.trail[i] * max(1.0 - relative, 0.0) * (1.0 + p.trail_bulge * relative) * mean_y
     if p.heat_fade != 0.0:
         heat = abs(mean_x * slide_x) + abs(mean_y * v_y)
-        s.tyre_heat[i] += step * (0.5 * heat / _TREAD_HEAT_J_K - s.tyre_heat[i] * _TREAD_COOLING_1_S)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _behind(lagged: float, mean: float, share: float) -> float:
-    """Lagged value after a step of which the mean is known."""
-    return lagged + min(2.0, 1.0 / share) * (mean - lagged)
+        warm_tread(s, i, heat, step)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -50,7 +50,7 @@ def test_250lm_filtered_yaw_rate_is_in_degrees_and_the_plain_one_is_not():
 def test_rig_loads_are_counted_upwards():
     manoeuvres, faults = _checked("tyre-rig-ttc-deid")
     assert ("channel_sign", "vertical_load_fl") in _kinds(faults)
-    assert {("missing_channel", "steering_wheel_angle"), ("missing_channel", "brake_pressure")} <= _kinds(faults)
+    assert not any(kind == "missing_channel" for kind, _ in _kinds(faults))  # the slips that drive it were measured
     assert len(manoeuvres) > 20
 
 
