@@ -110,7 +110,7 @@ _VALUES = {
     "mass_change": lambda deviation: 1.0 + deviation,
     "tyre_friction": lambda deviation: 1.0 + deviation,
     "tyre_relaxation_length": lambda deviation: 0.2 + deviation,
-    "brake_pad_pressure": lambda deviation: deviation,
+    "brake_pad_pressure": lambda deviation: 1.0 + deviation,
     "gyro_offset": lambda deviation: deviation,
 }
 _CHANGED = {

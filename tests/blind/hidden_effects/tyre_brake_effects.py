@@ -101,7 +101,7 @@ TYRE_AND_BRAKE: tuple[HiddenEffect, ...] = (
         20,
         BOTH,
         add("pad_pressure_exponent"),
-        also=("pad_pressure_exponent",),
+        field="pad_pressure_exponent",
     ),
     HiddenEffect("brake_in_stop_rise", "brake", "1", False, 0.01, 28, UP, add("in_stop_rise"), field="in_stop_rise"),
     HiddenEffect(
