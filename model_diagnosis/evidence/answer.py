@@ -19,6 +19,13 @@ FloatArray = NDArray[np.float64]
 INTERVAL_STD = 1.6449
 """Half width of a 90 % interval in standard deviations."""
 
+LAW_SHARE = 0.06
+"""Standard deviation of a size that the law of the effect leaves, over the size: no law holds to the last digit.
+
+Root mean square of (found - true) / true over named single causes of the challenge's tuning seed 43; noise leaves
+0.01 to 0.03 there.
+"""
+
 INCONSISTENT_PER_MANOEUVRE = 6.0
 """Mean squared difference between manoeuvres, in units of their own std, beyond which a remark is made."""
 
@@ -85,6 +92,7 @@ def _estimate(
     physical: Physical, column: int, deviation: float, std: float, parameter: EffectParameter
 ) -> ParameterEstimate:
     value, unit, nominal = physical(column, deviation)
+    std = float(np.hypot(std, LAW_SHARE * deviation))
     ends = sorted(
         physical(column, float(np.clip(deviation + side * INTERVAL_STD * std, parameter.low, parameter.high)))[0]
         for side in (-1.0, 1.0)
