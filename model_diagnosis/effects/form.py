@@ -7,7 +7,10 @@ and 4.3). Each is a column of the replay with its own scatter, so that what it e
 
 from model_diagnosis.effects.catalogue import EFFECTS
 from model_diagnosis.effects.effect import Application, Effect, EffectParameter, Group
+from signals.wheels import WHEELS
 
+_WHEEL_SPEEDS = tuple(f"wheel_speed_{wheel}" for wheel in WHEELS)
+_WHEEL_PRESSURES = tuple(f"brake_pressure_{wheel}" for wheel in WHEELS)
 _MOTION = ("lateral_acceleration", "longitudinal_acceleration", "yaw_rate", "roll_rate", "pitch_rate")
 
 
@@ -51,7 +54,7 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         "form_transient",
         Group.TYRE,
         "a share d of the relaxation lengths lets the force follow, the rest lets the slip: apart near the limit",
-        (*_MOTION, "wheel_speed_fl", "wheel_speed_fr", "wheel_speed_rl", "wheel_speed_rr"),
+        (*_MOTION, *_WHEEL_SPEEDS),
         EffectParameter("share", "1", 0.0, 1.0, 1.0, 1.0),
     ),
     _form(
@@ -72,7 +75,7 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         "form_wheel_inertia",
         Group.DRIVELINE,
         "J_w <- (1 + d) J_w of an axle's wheels: a number of the data sheet that is off, and no cause of its own",
-        ("wheel_speed_fl", "wheel_speed_fr", "wheel_speed_rl", "wheel_speed_rr", "longitudinal_acceleration"),
+        (*_WHEEL_SPEEDS, "longitudinal_acceleration"),
         EffectParameter("front", "1", -0.3, 0.3, 0.03, 0.03, "wheels.f*.inertia"),
         EffectParameter("rear", "1", -0.3, 0.3, 0.03, 0.03, "wheels.r*.inertia"),
     ),
@@ -95,7 +98,7 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         "form_inferred_braking",
         Group.DRIVELINE,
         "the front axle's share of braking that no channel tells is the pads' + d: part of it may be the engine's",
-        ("wheel_speed_fl", "wheel_speed_fr", "wheel_speed_rl", "wheel_speed_rr"),
+        _WHEEL_SPEEDS,
         EffectParameter("front", "1", -1.0, 1.0, 0.3, 0.3, relative=False),
     ),
     _form(
@@ -117,28 +120,28 @@ FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
         "form_build_up",
         Group.HYDRAULICS,
         "tau <- (1 + d) tau of the pressure's build-up at all wheels: a number of the data sheet that is off",
-        ("brake_pressure_fl", "brake_pressure_fr", "brake_pressure_rl", "brake_pressure_rr"),
+        _WHEEL_PRESSURES,
         EffectParameter("time_constant", "1", -0.5, 1.0, 0.03, 0.03, "hydraulics.increase_time_constant"),
     ),
     _form(
         "form_release",
         Group.HYDRAULICS,
         "tau <- (1 + d) tau of the pressure's release at all wheels: a number of the data sheet that is off",
-        ("brake_pressure_fl", "brake_pressure_fr", "brake_pressure_rl", "brake_pressure_rr"),
+        _WHEEL_PRESSURES,
         EffectParameter("time_constant", "1", -0.5, 1.0, 0.03, 0.03, "hydraulics.decrease_time_constant"),
     ),
     _form(
         "form_return",
         Group.HYDRAULICS,
         "p falls to a lower supply by tau dp/dt = p_supply - p, past a check valve that throttles",
-        ("brake_pressure_fl", "brake_pressure_fr", "brake_pressure_rl", "brake_pressure_rr"),
+        _WHEEL_PRESSURES,
         EffectParameter("lag", "s", 0.0, 0.05, 0.01, 0.01, relative=False),
     ),
     _form(
         "form_pump_back_pressure",
         Group.HYDRAULICS,
         "p_outlet = d p_accumulator while the pump runs: a weak pump does not keep the line behind the outlets empty",
-        ("brake_pressure_fl", "brake_pressure_fr", "brake_pressure_rl", "brake_pressure_rr"),
+        _WHEEL_PRESSURES,
         EffectParameter("share", "1", 0.0, 1.0, 0.3, 0.3, "hydraulics.pump_back_pressure", relative=False),
     ),
     _form(
@@ -174,7 +177,11 @@ FORM_RIG_EFFECTS: tuple[Effect, ...] = (
         EffectParameter("ratio", "1", -0.02, 0.02, 0.002, 0.002, relative=False),
     ),
 )
-"""Those of one wheel on a rig."""
+"""Those of one wheel on a rig.
+
+Scatters are assumed: 0.02 is a whole rolling resistance, 10 N some thousandths of a hub's range, 1 mrad and 0.002
+the care with which slips are set to 0; 3 ms is the lag's scatter of every sensor above.
+"""
 
 OTHER_FORMS = {"form_transient.share": 1.0}
 """Columns that stand for a choice between two forms, and their value in the other one; between the two no way leads."""

@@ -39,8 +39,8 @@ def load_wheels(p: Record, s: Record, step: float) -> None:
     """Loads of the four wheels in the middle of the step, and what springs, dampers and links do to the body."""
     speed, roll, pitch = s.mid_speed, s.mid_roll, s.mid_pitch
     heave, heave_rate = s.heave + 0.5 * step * s.heave_rate, s.heave_rate + 0.5 * step * s.heave_acceleration
-    wind = (speed + p.wind_along) * (speed + p.wind_along)
-    lift_front, lift_rear = p.lift_front * wind, p.lift_rear * wind
+    air_speed = speed + p.wind_along
+    lift_front, lift_rear = p.lift_front * air_speed * air_speed, p.lift_rear * air_speed * air_speed
     up = lift_front + lift_rear
     nose_down = -p.wheel_x[0] * lift_front - p.wheel_x[2] * lift_rear
     left_up = 0.0

@@ -36,6 +36,7 @@ _SENSING = (
 """Columns of the rig's own sensors, in the order of the compiled run."""
 
 _LOAD_STEP_N = 10.0
+"""Loads at which tyres are sampled are whole multiples of it: search and held-out data then ask for the same tables."""
 
 
 class RigReplay(ReplayBase):

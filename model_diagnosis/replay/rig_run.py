@@ -10,7 +10,7 @@ from model_diagnosis.replay.lag_step import followed
 from model_diagnosis.replay.record import Record
 from model_diagnosis.replay.run import take_tables
 from model_diagnosis.replay.state import SUBSTEPS
-from model_diagnosis.replay.tyre_step import warm_tread, wheel_forces
+from model_diagnosis.replay.tyre_step import LIGHTEST_N, warm_tread, wheel_forces
 
 RATIO, ANGLE, LOAD, SPEED, DRIVING = range(5)
 """Columns of what drives a wheel on a rig, and their number: slip ratio, slip angle [rad], load [N], speed [m/s]."""
@@ -19,7 +19,7 @@ ROLLING, OFFSET_ALONG, OFFSET_ACROSS, LAG, ANGLE_ZERO, RATIO_ZERO, SENSING = ran
 """Columns of the rig's own sensors, and their number (``effects.form.FORM_RIG_EFFECTS``)."""
 
 _LARGEST_RATIO = 0.9
-_LIGHTEST_N = 1.0
+"""Driving slip over the wheel's own speed at which it turns ten times as fast as it rolls; at 1 the belt would rest."""
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -94,7 +94,7 @@ def rig_run(
     ratio, angle = driving[0, RATIO] + sensing[RATIO_ZERO], driving[0, ANGLE] + sensing[ANGLE_ZERO]
     v_x, _ = set_slips(s, i, ratio, angle, driving[0, SPEED])
     s.lagged_x[i], s.lagged_y[i] = s.slip_x[i], s.slip_y[i]
-    load = max(driving[0, LOAD], _LIGHTEST_N)
+    load = max(driving[0, LOAD], LIGHTEST_N)
     s.lagged_force_x[i], s.lagged_force_y[i], _, _ = wheel_forces(p, s, i, s.slip_x[i], s.slip_y[i], load, abs(v_x))
     last_x, last_y = s.lagged_force_x[i], s.lagged_force_y[i]
     for k in range(driving.shape[0]):
@@ -103,8 +103,8 @@ def rig_run(
             for c in range(DRIVING):
                 now[c] = driving[k - 1, c] + share * (driving[k, c] - driving[k - 1, c])
             ratio, angle = now[RATIO] + sensing[RATIO_ZERO], now[ANGLE] + sensing[ANGLE_ZERO]
-            move_rig_wheel(p, s, i, ratio, angle, max(now[LOAD], _LIGHTEST_N), now[SPEED], step)
-        load = max(driving[k, LOAD], _LIGHTEST_N)
+            move_rig_wheel(p, s, i, ratio, angle, max(now[LOAD], LIGHTEST_N), now[SPEED], step)
+        load = max(driving[k, LOAD], LIGHTEST_N)
         force_x, force_y = forces_now(p, s, i, load, abs(driving[k, SPEED] * math.cos(driving[k, ANGLE])))
         late = sensing[LAG] / sample_time
         out[k, 0] = force_x - late * (force_x - last_x) + sensing[ROLLING] * load + sensing[OFFSET_ALONG]

@@ -7,6 +7,9 @@ from numba import njit
 from model_diagnosis.replay.record import CELLS, Record
 
 LEAST_SHARE = 0.05
+LIGHTEST_N = 1.0
+"""Load that a wheel in the air is given: slips at the peak are over it."""
+
 _TREAD_HEAT_J_K = 5400.0
 _TREAD_COOLING_1_S = 1.0 / 60.0
 

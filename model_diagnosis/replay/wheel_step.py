@@ -11,11 +11,10 @@ from numba import njit
 from model_diagnosis.replay.brake_step import brake_capacity
 from model_diagnosis.replay.lag_step import behind, followed
 from model_diagnosis.replay.record import Record
-from model_diagnosis.replay.tyre_step import warm_tread, wheel_forces
+from model_diagnosis.replay.tyre_step import LIGHTEST_N, warm_tread, wheel_forces
 
 _SLOWEST_M_S = 0.5
 """Least divisor of slips: the replay is compared above walking speed only."""
-_LIGHTEST_N = 1.0
 _PRELOAD_SPAN_RAD_S = 0.5
 _COASTING_NM = 1.0
 
@@ -65,7 +64,7 @@ def move_wheel(
     step: float,
 ) -> None:
     """One step of a wheel: its tyre forces and its spin."""
-    load = max(s.load[i], _LIGHTEST_N)
+    load = max(s.load[i], LIGHTEST_N)
     turn, omega = s.mid_yaw_rate, s.spin[i]
     # the body turns about the axis that its links leave it and carries the contact along; as a form, by less than that
     rate = s.travel_rate[i]

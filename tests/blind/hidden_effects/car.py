@@ -64,6 +64,7 @@ DATA_SHEET: dict[str, Number] = {
     "roll_centre": Number((0.0, 0.0), 0.01, relative=False, paths=_axles("suspension.*.roll_centre_height")),
     "support_tangent": Number((0.0, 0.0), 0.01, relative=False, paths=_axles("suspension.*.brake_support_angle")),
     # air
+    "frontal_area": Number(2.0),
     "drag_area": Number(0.8, 0.03, paths=("aerodynamics.drag_coefficient",)),
     "drag_height": Number(0.535),
     "air_density": Number(1.2),

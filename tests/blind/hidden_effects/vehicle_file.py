@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from hidden_effects.car import DATA_SHEET, scatter_table
 from hidden_effects.sensors import CHANNELS, SENSOR_SHEET
 
@@ -71,6 +73,15 @@ def vehicle_file() -> dict[str, Any]:
         for section, name in noisy.items()
     }
     sensors["wheel_speed"] = {"window": SHORTEST_WINDOW_S}  # the hidden car's wheel speeds are read at their instants
+    area, drag, side = (
+        float(np.array(DATA_SHEET[name].nominal)) for name in ("frontal_area", "drag_area", "side_area")
+    )
+    # air from the side meets the drag too
+    air = {
+        "frontal_area": area,
+        "drag_coefficient": drag / area,
+        "side_force_coefficient": (side - drag) / area,
+    }
     scatter = scatter_table() | _sensor_scatter()
     return {
         "format": 1,
@@ -78,6 +89,7 @@ def vehicle_file() -> dict[str, Any]:
         "description": "nominal car of the data sheet; every parameter may be off within its scatter",
         "extends": BASE_CAR,
         "tyres": {"front": _tyre(False), "rear": _tyre(True)},
+        "aerodynamics": air,
         "sensors": sensors,
         "scatter": {path: {"std": std, "kind": kind} for path, (std, kind) in scatter.items()},
     }

@@ -86,6 +86,17 @@ def test_two_hidden_effects_are_both_named() -> None:
     assert _names(car, _search(car)[1]) == {"e1", "e6"}
 
 
+def test_what_a_check_has_refused_does_not_come_back_by_a_swap() -> None:
+    """A swap weighs plain evidence only; what was refused for its heat or by a left-out manoeuvre would win by it."""
+    car = LinearCar(EFFECTS, _truth(1, c2=0.3), 1)
+    search, selection = _search(car)
+    selector = Selector(search, 5.0)
+    offered = [one.hypothesis for one in selector._rejected([], selection.stages)]
+    assert offered
+    selector.refused.add(offered[0])
+    assert offered[0] not in [one.hypothesis for one in selector._rejected([], selection.stages)]
+
+
 def test_exact_look_alikes_are_one_group_and_share_the_probability() -> None:
     car = LinearCar(EFFECTS, _truth(8, c3=0.25), 8, colour=0.5, same=[(3, 4, 0.8)])
     search, selection = _search(car)
