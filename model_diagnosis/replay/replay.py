@@ -231,7 +231,8 @@ class Replay(ReplayBase):
 
     def _step_of(self, theta: FloatArray, column: int) -> float:
         parameter, name = self.parameters[column], self.columns[column]
-        jumps = name in _ACT_BY_JUMPS or (acts_on_pressures(name) and not self.pressures.unit.flows)
+        by_steps = not self.pressures.unit.flows and any(one.replays_pressures for one in self.prepared)
+        jumps = name in _ACT_BY_JUMPS or (by_steps and acts_on_pressures(name))
         step = (_COARSE_STEP_SHARE if jumps else STEP_SHARE) * parameter.effect_std
         return step if theta[column] + step <= parameter.high else -step
 
