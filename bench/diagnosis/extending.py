@@ -92,6 +92,7 @@ def _friction_error(verdict: Any) -> float | None:
 
 def _found(cause: Cause, diagnosis: Diagnosis) -> Any:
     from model_diagnosis.effects.catalogue import effect as find_effect
+    from model_diagnosis.effects.conditions import everywhere
     from model_diagnosis.extension.extended_vehicle import FoundEffect, Interval
 
     effect = find_effect(cause.effect)
@@ -99,7 +100,7 @@ def _found(cause: Cause, diagnosis: Diagnosis) -> Any:
     deviations = {}
     for name, estimate in cause.parameters.items():
         value, *ends = (
-            deviation_of(estimate, by_name[name], quantity)
+            deviation_of(estimate, by_name[everywhere(name)], quantity)
             for quantity in (estimate.value, estimate.low, estimate.high)
         )
         deviations[name] = Interval(value, min(ends), max(ends))

@@ -13,7 +13,7 @@ from bench.diagnosis.extending import deviation_of
 from bench.diagnosis.printing import print_diagnosis
 from model_diagnosis.effects.catalogue import effect
 from model_diagnosis.findings import Findings
-from model_diagnosis.result import OverallGain
+from model_diagnosis.result import OverallGain, ParameterEstimate
 from vehicle_model.vehicle_file import load_vehicle
 
 
@@ -58,6 +58,25 @@ def test_the_extended_car_has_what_was_found_and_loads(findings: Findings, tmp_p
     extended = load_vehicle(tmp_path / "extended_vehicle.yaml")
     assert extended.brakes.front.pad_friction == pytest.approx(0.318)
     assert extended.extensions[0].intervals["brakes.rear.pad_friction"] == pytest.approx([0.314, 0.322])
+
+
+def test_a_slope_of_one_manoeuvre_is_told_in_the_extended_car_and_not_applied(
+    findings: Findings, tmp_path: Path
+) -> None:
+    slope = ParameterEstimate(value=-0.025, low=-0.03, high=-0.02, unit="1", nominal=0.0)
+    of_drive = findings.diagnosis.causes[0].model_copy(
+        update={"effect": "road_grade", "parameters": {"grade_in_manoeuvre_1": slope}, "group": ["road_grade"]}
+    )
+    answer = findings.diagnosis.model_copy(update={"causes": [*findings.diagnosis.causes, of_drive]})
+    written = write(
+        Found(replace(findings, diagnosis=answer), load_vehicle("ekf_car"), "ekf_car"), tmp_path, stops=False
+    )
+    assert written.diagnosis.extension_file == "extended_vehicle.yaml"
+    told = next(
+        one for one in load_vehicle(tmp_path / "extended_vehicle.yaml").extensions if one.effect == "road_grade"
+    )
+    assert dict(told.conditions) == {"road_grade.grade_in_manoeuvre_1": "-0.025"}
+    assert not told.parameters
 
 
 def test_without_a_proven_gain_there_is_no_extended_car(findings: Findings, tmp_path: Path) -> None:
