@@ -3,7 +3,9 @@
 import math
 from typing import Any
 
+import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 REFERENCE_TEMPERATURE_C = 20.0
 ATMOSPHERE_PA = 101_325.0
@@ -14,6 +16,9 @@ POLYTROPIC_EXPONENT = 1.2
 # least 1.5); usual values of data sheets, assumed
 _COLD = (-40.0, 1300.0)
 _HOT = (100.0, 2.1)
+
+
+_CELLS = 1024
 
 
 def _walther(viscosity_mm2_s: float) -> float:
@@ -36,6 +41,30 @@ def viscosity_ratio(temperature_c: float) -> float:
     return kinematic_viscosity(temperature_c) / kinematic_viscosity(REFERENCE_TEMPERATURE_C)
 
 
+def _powers() -> NDArray[np.float64]:
+    """Values and slopes by cell (_CELLS + 1, 2) of ratio^(1 + 1/n) at equally spaced ratios."""
+    ratio, exponent = np.linspace(0.0, 1.0, _CELLS + 1), 1.0 + 1.0 / POLYTROPIC_EXPONENT
+    return np.stack([ratio**exponent, exponent * ratio ** (exponent - 1.0) / _CELLS], axis=1)
+
+
+_POWERS = _powers()
+
+
+@njit(cache=True)
+def compliance_share(ratio: float) -> float:
+    """Compliance of a bubble over that at the atmosphere, (p_0/p)^(1 + 1/n), by cubic pieces.
+
+    Powers would take most of the hydraulic unit's time. Off by at most 2e-6 of the value below 200 bar.
+    """
+    place = ratio * _CELLS
+    cell = min(int(place), _CELLS - 1)
+    t = place - cell
+    value, slope = _POWERS[cell, 0], _POWERS[cell, 1]
+    difference = _POWERS[cell + 1, 0] - value
+    third = slope + _POWERS[cell + 1, 1] - 2.0 * difference
+    return float(value + t * (slope + t * (difference - slope - third + t * third)))
+
+
 @njit(cache=True)
 def stiffness_share(parameters: Any, wheel: int, pressure: float) -> float:
     """Stiffness of a wheel brake with air in it over that without, 1 without.
@@ -51,5 +80,5 @@ def stiffness_share(parameters: Any, wheel: int, pressure: float) -> float:
     if air == 0.0:
         return 1.0
     ratio = ATMOSPHERE_PA / (ATMOSPHERE_PA + max(pressure, 0.0))
-    compliance = air / (POLYTROPIC_EXPONENT * ATMOSPHERE_PA) * ratio ** (1.0 + 1.0 / POLYTROPIC_EXPONENT)
+    compliance = air / (POLYTROPIC_EXPONENT * ATMOSPHERE_PA) * compliance_share(ratio)
     return float(1.0 / (1.0 + parameters.caliper_stiffness[wheel] * compliance))

@@ -94,6 +94,8 @@ def _follow_segment(parameters: Any, state: Any, wheel: int, mode: int, goal: fl
             state.target[wheel] = goal
         state.difference[wheel] = state.target[wheel] - state.pressure[wheel]
     state.segment_time[wheel] = elapsed
+    if state.difference[wheel] == 0.0:
+        return float(state.target[wheel])
     time_constant = parameters.time_constant[mode] * flow_factor(parameters, wheel, mode)
     return float(state.target[wheel] - state.difference[wheel] * np.exp(-elapsed / time_constant))
 
@@ -168,6 +170,24 @@ def run_pump(parameters: Any, state: Any, pump_on: float) -> int:
 
 
 @njit(cache=True)
+def pressure_step(
+    parameters: Any, state: Any, inlet: Any, outlet: Any, out: Any, master_pressure: float, pump_on: float
+) -> None:
+    """One step of the four wheel pressures, without torques and heat; arguments as in ``hcu_step``.
+
+    Of ``out`` the states of the selection logic are filled.
+    """
+    remember_inputs(state, inlet, outlet, master_pressure)
+    pump = run_pump(parameters, state, pump_on)
+    supply = supply_pressure(parameters, pump, master_pressure)
+    for wheel in range(4):
+        mode = wheel_mode(parameters, state, wheel, pump, out)
+        line = line_pressure(parameters, wheel, supply)
+        _wheel_step(parameters, state, wheel, mode, line, low_pressure(parameters, state, wheel, pump))
+    state.rearm = 0
+
+
+@njit(cache=True)
 def hcu_step(
     parameters: Any,
     state: Any,
@@ -189,12 +209,5 @@ def hcu_step(
     master_pressure : Pa
     pump_on : above 0.5 while the pump is commanded
     """
-    remember_inputs(state, inlet, outlet, master_pressure)
-    pump = run_pump(parameters, state, pump_on)
-    supply = supply_pressure(parameters, pump, master_pressure)
-    for wheel in range(4):
-        mode = wheel_mode(parameters, state, wheel, pump, out)
-        line = line_pressure(parameters, wheel, supply)
-        _wheel_step(parameters, state, wheel, mode, line, low_pressure(parameters, state, wheel, pump))
-    state.rearm = 0
+    pressure_step(parameters, state, inlet, outlet, out, master_pressure, pump_on)
     write_outputs(parameters, state, master_pressure, wheel_speed, out)

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.effects.conditions import CONDITIONS
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay.columns import Columns
 from model_diagnosis.replay.derived import derive
@@ -27,7 +28,9 @@ STEP_SHARE = 0.001
 """Step of a finite difference over the effect's width: a replay is smooth, and of the residuals that a wrong form
 leaves, even a slope that is a few percent off promises what no step holds."""
 
-_CARS_KEPT = 256
+_CARS_KEPT = 512
+_OF_THE_CAR = RECORD_COLUMNS.difference(CONDITIONS)
+"""Columns of the record that are the same in all manoeuvres; nothing is derived from the others."""
 
 
 class PreparedData(Protocol):
@@ -74,7 +77,7 @@ class ReplayBase(ABC):
         self._values = values_of(vehicle)
         self._set_columns(columns)
         self._threads = threads or os.cpu_count() or 1
-        # every manoeuvre and every column of a sweep asks for the same few cars
+        # every manoeuvre of a sweep asks for the same cars
         self._cars = lru_cache(maxsize=_CARS_KEPT)(self._make_car)
         self._tables = lru_cache(maxsize=_CARS_KEPT)(self._make_tables)
 
@@ -129,7 +132,12 @@ class ReplayBase(ABC):
         return entry
 
     def _record_at(self, deviations: Mapping[str, float]) -> NDArray[np.void]:
-        return self._cars(tuple((column, value) for column, value in deviations.items() if column in RECORD_COLUMNS))
+        own = tuple([pair for pair in deviations.items() if pair[0] in _OF_THE_CAR])
+        cars, road = self._cars(own), {name: deviations[name] for name in CONDITIONS if name in deviations}
+        if road:
+            cars = cars.copy()
+            change_record(cars, road)
+        return cars
 
     def _make_car(self, deviations: tuple[tuple[str, float], ...]) -> NDArray[np.void]:
         cars = self.car.record.copy()

@@ -217,7 +217,7 @@ class HydraulicReplay:
         # dead times of valves that nobody switches say nothing: one run instead of five
         for share, record in self._units(changes, log.switched, self.flows):
             hydraulic_run(
-                record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump, log.wheel_speed,
+                record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump,
                 log.cornering, log.behind_commands, log.behind_master, measured, valid, volume, return_kept, gain,
                 least, _DEAD_BAND * noise, _NOTHING_BETWEEN, out,
             )  # fmt: skip
@@ -242,7 +242,7 @@ class HydraulicReplay:
         master = log.master if log.master is not None else self.master({}, log)
         ((_, record),) = self._units((), False, self.flows)
         hydraulic_run(
-            record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump, log.wheel_speed,
+            record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump,
             log.cornering, log.behind_commands, log.behind_master, measured, valid, 0.0, 0.0, 1.0,
             least, 0.0, between, out,
         )  # fmt: skip

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from hydraulics.pressure import hcu_step, line_pressure
+from hydraulics.pressure import line_pressure, pressure_step
 from hydraulics.record import HOLD, INCREASE
 from hydraulics.valves import stiffness
 from model_diagnosis.replay.record import Record
@@ -86,7 +86,6 @@ def hydraulic_run(
     inlet: NDArray[np.float64],
     outlet: NDArray[np.float64],
     pump: NDArray[np.float64],
-    wheel_speed: NDArray[np.float64],
     cornering: NDArray[np.bool_],
     behind_commands: float,
     behind_master: float,
@@ -109,7 +108,6 @@ def hydraulic_run(
         record does not keep its array alive, and one made here is freed while it is written
     master : (n,) Pa
     inlet, outlet, pump : (n, 4), (n, 4), (n,) commands, 1 energised
-    wheel_speed : (n, 4) rad/s, for the heat of the discs
     cornering : (n,) True where the pads are pushed back
     behind_commands, behind_master : how much later than these the wheel pressures are taken [samples]
     measured, valid : (n, 4) pressures [Pa] on which the observer corrects, and 1 where they hold
@@ -129,7 +127,6 @@ def hydraulic_run(
     for i in range(4):
         s.previous_state[i] = -1
         s.pressure[i] = measured[0, i] if valid[0, i] > 0.0 else master[0]
-        s.disc_temperature[i] = p.disc_start_temperature[i]
     for k in range(master.shape[0]):
         if k > 0:
             for i in range(4):
@@ -138,7 +135,7 @@ def hydraulic_run(
                 nearest = min(max(int(np.floor(k - 0.5 + tick / TICKS + behind_commands)), 0), master.shape[0] - 1)
                 supply = _on_line(master, k - 1 + (tick + 1) / TICKS + behind_master)
                 before_0, before_1, before_2, before_3 = s.pressure[0], s.pressure[1], s.pressure[2], s.pressure[3]
-                hcu_step(p, s, inlet[nearest], outlet[nearest], wheel_speed[nearest], unused, supply, pump[nearest])
+                pressure_step(p, s, inlet[nearest], outlet[nearest], unused, supply, pump[nearest])
                 if return_kept > 0.0:
                     energised = outlet[nearest]
                     if energised[0] < 0.5:

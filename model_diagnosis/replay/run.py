@@ -41,6 +41,7 @@ GAIN_WHEEL, GAIN_SPEED, GAIN_YAW, GAIN_SPEED_BY_WHEELS, DEAD_BAND_WHEEL = range(
 _LEAST_GRIP = 0.05
 _OUTPUTS = len(OUTPUTS)
 _SPEED, _YAW_RATE, _ROLL_RATE = OUTPUTS.index("speed"), OUTPUTS.index("yaw_rate"), OUTPUTS.index("roll_rate")
+_SLIP_ANGLE, _BODY_SLIP_ANGLE = OUTPUTS.index("slip_angle_fl"), OUTPUTS.index("side_slip_angle")
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -121,12 +122,24 @@ def take_inputs_at(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def when_taken(phase: float) -> tuple[int, int, float]:
-    """When in the steps to a sample k a signal is taken: which sample that is (k or k - 1, as 0 or -1), in which step,
-    and after which share of it."""
-    place = (phase if phase > 0.0 else 1.0 + phase) * SUBSTEPS
-    step = min(max(int(np.ceil(place - 1e-9)) - 1, 0), SUBSTEPS - 1)
-    return (-1 if phase > 0.0 else 0), step, place - step
+def when_taken(phases: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """When in the steps to a sample k signals are taken: which sample that is (k or k - 1, as 0 or -1), in which step,
+    and after which share of it; (c,) each."""
+    rows, steps = np.zeros(len(phases), np.int64), np.zeros(len(phases), np.int64)
+    shares = np.zeros(len(phases))
+    for c in range(len(phases)):
+        place = (phases[c] if phases[c] > 0.0 else 1.0 + phases[c]) * SUBSTEPS
+        steps[c] = min(max(int(np.ceil(place - 1e-9)) - 1, 0), SUBSTEPS - 1)
+        rows[c], shares[c] = (-1 if phases[c] > 0.0 else 0), place - steps[c]
+    return rows, steps, shares
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _any_angle(chosen: NDArray[np.int64]) -> bool:
+    for c in range(len(chosen)):
+        if _SLIP_ANGLE <= chosen[c] < _SLIP_ANGLE + 4 or chosen[c] == _BODY_SLIP_ANGLE:
+            return True
+    return False
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -148,14 +161,17 @@ def lagging_spin(s: Record, i: int, steps: float) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def write_outputs(p: Record, s: Record, step: float, out: NDArray[np.float64]) -> None:
-    """All outputs (``OUTPUTS``) at this instant; sensors of speeds and turning rates lag by a constant time."""
+def write_outputs(p: Record, s: Record, step: float, with_angles: bool, out: NDArray[np.float64]) -> None:
+    """All outputs (``OUTPUTS``) at this instant; sensors of speeds and turning rates lag by a constant time.
+
+    Slip angles cost as much as all others together: they are left out unless ``with_angles``.
+    """
     for i in range(4):
         out[i] = lagging_spin(s, i, p.wheel_speed_lag / step)
         out[4 + i] = s.load[i]
         out[8 + i], out[12 + i] = s.tyre_x[i], s.tyre_y[i]
         out[16 + i] = s.travel[i]
-        out[20 + i], out[24 + i] = s.slip_x[i], -np.arctan(s.slip_y[i])
+        out[20 + i] = s.slip_x[i]
         out[28 + i], out[32 + i], out[36 + i] = s.disc_temperature[i], s.brake_torque[i], s.drive_torque[i]
         out[40 + i] = s.angle[i]
     out[_SPEED], out[_SPEED + 1] = s.speed - p.speed_lag * s.speed_rate, s.lateral_speed
@@ -164,8 +180,11 @@ def write_outputs(p: Record, s: Record, step: float, out: NDArray[np.float64]) -
     out[_ROLL_RATE] = s.roll_rate - p.gyro_lag * s.roll_acceleration
     out[_ROLL_RATE + 1] = s.pitch_rate - p.gyro_lag * s.pitch_acceleration
     out[_ROLL_RATE + 2], out[_ROLL_RATE + 3] = s.roll, s.pitch
-    out[_ROLL_RATE + 4] = np.arctan2(s.lateral_speed, max(s.speed, 0.1))
     out[_ROLL_RATE + 5], out[_ROLL_RATE + 6] = s.distance, s.yaw_acceleration
+    if with_angles:
+        for i in range(4):
+            out[_SLIP_ANGLE + i] = -np.arctan(s.slip_y[i])
+        out[_BODY_SLIP_ANGLE] = np.arctan2(s.lateral_speed, max(s.speed, 0.1))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -207,7 +226,7 @@ def settle(p: Record, s: Record, start: NDArray[np.float64], step: float) -> Non
     prepare_accelerometer(p, s, step)
     for i in range(4):
         s.spin[i] = start[0] / p.radius[i]
-        s.disc_temperature[i] = p.start_temperature[i]
+        s.disc_temperature[i], s.disc_cosine[i] = p.start_temperature[i], 1.0
         s.angle[i], s.sine[i], s.cosine[i] = p.toe[i], np.sin(p.toe[i]), np.cos(p.toe[i])
     for _ in range(PRE_ROLL_SAMPLES * SUBSTEPS):
         s.speed, s.yaw_rate = start[0], start[1]
@@ -218,7 +237,8 @@ def settle(p: Record, s: Record, start: NDArray[np.float64], step: float) -> Non
         keep_spins(s)
     for i in range(4):
         s.disc_temperature[i] = p.start_temperature[i]
-        s.tyre_heat[i] = s.disc_angle[i] = 0.0
+        s.tyre_heat[i] = s.disc_sine[i] = 0.0
+        s.disc_cosine[i] = 1.0
         s.clamping[i] = s.pressure[i]
 
 
@@ -273,6 +293,9 @@ def replay_run(
     restart, nothing = np.ones(5), np.zeros(6)
     restart[DEAD_BAND_WHEEL] = 0.0
     is_phased = bool(input_phases.any() or corrected_phases.any() or output_phases.any())
+    taken, corrected = when_taken(output_phases), when_taken(corrected_phases)
+    known, counts, anew = np.zeros(6), np.zeros(6), np.zeros(6)
+    with_angles = _any_angle(chosen)
     courses = np.ascontiguousarray(between).reshape(between.shape[0] * SUBSTEPS, 4)
     for i in range(4):
         s.brake_share[i] = s.grip_share[i] = 1.0
@@ -281,7 +304,7 @@ def replay_run(
         take_terms(s, inputs[0], inputs[0], 0.0)
     take_inputs(s, inputs[0], inputs[0], 0.0, between[0, 0])
     settle(p, s, start, step)
-    write_outputs(p, s, step, full)
+    write_outputs(p, s, step, with_angles, full)
     for k in range(inputs.shape[0]):
         for j in range(SUBSTEPS if k > 0 else 0):
             if is_phased:
@@ -295,14 +318,16 @@ def replay_run(
                 disturb(p, s, place, disturbance[k], step)
             keep_spins(s)
             if is_phased:
-                before[:] = full
-                write_outputs(p, s, step, full)
-                _write_taken(k, j, before, full, chosen, output_phases, out)
-                if horizon == 0:
-                    _correct_taken(p, s, k, j, before, full, measured, valid, gains, least, corrected_phases, seen)
-                    write_outputs(p, s, step, full)
+                before, full = full, before
+                write_outputs(p, s, step, with_angles, full)
+                _write_taken(k, j, before, full, chosen, taken, out)
+                if horizon == 0 and _take_corrected(
+                    k, j, before, full, measured, valid, least, corrected, seen, known, counts, anew
+                ):
+                    correct_states(p, s, seen, known, counts, gains, anew)
+                    write_outputs(p, s, step, with_angles, full)
         if not is_phased:
-            write_outputs(p, s, step, full)
+            write_outputs(p, s, step, with_angles, full)
         if not is_phased or k == 0:
             for c in range(chosen.shape[0]):
                 out[k, c] = full[chosen[c]]
@@ -332,14 +357,14 @@ def _write_taken(
     before: NDArray[np.float64],
     full: NDArray[np.float64],
     chosen: NDArray[np.int64],
-    phases: NDArray[np.float64],
+    taken: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]],
     out: NDArray[np.float64],
 ) -> None:
     """Outputs that are taken in step ``j`` to sample ``k``, on the straight line over the step."""
+    rows, steps, shares = taken
     for c in range(chosen.shape[0]):
-        row, step, share = when_taken(phases[c])
-        if step == j:
-            out[k + row, c] = before[chosen[c]] + share * (full[chosen[c]] - before[chosen[c]])
+        if steps[c] == j:
+            out[k + rows[c], c] = before[chosen[c]] + shares[c] * (full[chosen[c]] - before[chosen[c]])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -353,27 +378,34 @@ def _write_last(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _correct_taken(
-    p: Record,
-    s: Record,
+def _take_corrected(
     k: int,
     j: int,
     before: NDArray[np.float64],
     full: NDArray[np.float64],
     measured: NDArray[np.float64],
     valid: NDArray[np.float64],
-    gains: NDArray[np.float64],
     least: NDArray[np.float64],
-    phases: NDArray[np.float64],
+    corrected: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]],
     seen: NDArray[np.float64],
-) -> None:
-    """Correct on those signals that are taken in step ``j`` to sample ``k``, at its end."""
-    known, counts, anew = np.zeros(6), np.zeros(6), np.zeros(6)
+    known: NDArray[np.float64],
+    counts: NDArray[np.float64],
+    anew: NDArray[np.float64],
+) -> bool:
+    """What the observer corrects on of the signals that are taken in step ``j`` to sample ``k``; False if nothing.
+
+    Into ``seen``, ``known``, ``counts``, ``anew`` (6,) go prediction, measurement, 1 where it holds, and least gain.
+    """
+    rows, steps, shares = corrected
+    found = False
     for q in range(6):
-        row, step, share = when_taken(phases[q])
-        if step == j:
+        counts[q] = 0.0
+        if steps[q] == j:
             column = q if q < 4 else (_SPEED if q == 4 else _YAW_RATE)
-            seen[q] = before[column] + share * (full[column] - before[column])
-            known[q], counts[q], anew[q] = measured[k + row, q], valid[k + row, q], least[k + row, q]
-    if counts.any():
-        correct_states(p, s, seen, known, counts, gains, anew)
+            seen[q] = before[column] + shares[q] * (full[column] - before[column])
+            row = k + rows[q]
+            known[q], counts[q], anew[q] = measured[row, q], valid[row, q], least[row, q]
+            found = found or counts[q] != 0.0
+        else:
+            known[q] = anew[q] = 0.0
+    return found

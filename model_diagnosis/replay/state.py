@@ -91,7 +91,8 @@ _WHEELS = (
     "drive_torque",
     "rolling_torque",
     "disc_temperature",
-    "disc_angle",
+    "disc_sine",  # of the angle it has turned by
+    "disc_cosine",
     "tyre_heat",  # rise of the tread's temperature
     "pressure",  # inputs of this step
     "brake_share",
