@@ -32,7 +32,7 @@ from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
 from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, compare
 from model_diagnosis.extension.other_car import numbers_of
 from model_diagnosis.findings import Findings
-from model_diagnosis.held_out import gain_of, gain_of_numbers, noise_std
+from model_diagnosis.held_out import gain_of, gain_of_numbers, noise_std, refit_within_scatter
 from model_diagnosis.localisation import Localisation, localise, place_remarks
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.next_manoeuvre import next_manoeuvre
@@ -303,7 +303,8 @@ class _Pipeline:
             gain = gain_of(unknown.problem, unknown.selection, held_out, self.seed, unknown.theta_on)
         verdict = verdict_of(found, terms, self.faults, wrong, shown.insufficient, self._nameable)
         if wrong is not None and wrong.theta is not None and verdict == "wrong_vehicle":
-            gain = gain_of_numbers(selection.nothing.theta, wrong.theta, self.held_out, self.seed)
+            refit = refit_within_scatter(search.problem, selection.linearisation, selection.nothing.theta)
+            gain = gain_of_numbers(refit, wrong.theta, self.held_out, self.seed)
         return Diagnosis(
             verdict=verdict,
             subject="wheel_on_rig" if isinstance(self.replay, RigReplay) else "car",

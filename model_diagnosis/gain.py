@@ -41,7 +41,7 @@ class HeldOut:
     signals : names of the columns
     before, after : (n, c) measured minus replayed, in the signals' units
     weights : (n, c), 0 where a sample counts for nothing
-    refit : (n, c) with the nominal parameters fitted within their scatter and no effect; None where not made
+    refit : (n, c) with the nominal parameters fitted within two of their scatters and no effect; None where not made
     """
 
     name: str

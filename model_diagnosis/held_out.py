@@ -1,11 +1,14 @@
 """The gain of an answer on manoeuvres that took no part in the search, or by leaving out each manoeuvre in turn."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.evidence.fitting import Problem
+from model_diagnosis.evidence.bounded import lowest_within
+from model_diagnosis.evidence.fitting import Linearisation, Problem
+from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.search import ratios
 from model_diagnosis.evidence.selection import Selection
@@ -14,6 +17,10 @@ from model_diagnosis.replay import ReplayBase
 from model_diagnosis.result import Gain
 
 FloatArray = NDArray[np.float64]
+
+SCATTERS_OF_A_REFIT = 2.0
+"""Scatters up to which a refit puts a number off: 95 of 100 ordinary cars are inside. Without an end it would say an
+effect of many scatters by other numbers that are off by many scatters, which is no ordinary car."""
 
 
 def gain_of(
@@ -29,7 +36,8 @@ def gain_of(
     """
     neutral = np.zeros(len(problem.scale))
     if held_out is not None and len(held_out.manoeuvres):
-        after, refit = selection.fit.theta, selection.nothing.theta
+        after = selection.fit.theta
+        refit = refit_within_scatter(problem, selection.linearisation, selection.nothing.theta)
         if theta_on is not None:
             neutral, after, refit = (theta_on(held_out, one) for one in (neutral, after, refit))
         residuals = held_out_residuals(held_out, neutral, after, refit)
@@ -38,6 +46,20 @@ def gain_of(
         return None
     residuals = _left_out(problem, selection)
     return measure_gain(residuals, noise_std(problem.replay), seed=seed, cross_validated=True)
+
+
+def refit_within_scatter(problem: Problem, linearisation: Linearisation, start: FloatArray) -> FloatArray:
+    """Deviations (p,) that fit best while no number is off by more than two of its scatters, and nothing is wrong."""
+    inside = _within_scatter(problem.priors)
+    bounded = replace(problem, priors=inside)
+    return bounded.fit(linearisation, inside.nuisance, np.clip(start, inside.low, inside.high)).theta
+
+
+def _within_scatter(priors: Priors) -> Priors:
+    way = SCATTERS_OF_A_REFIT * priors.nuisance
+    return replace(
+        priors, low=np.maximum(priors.low, priors.centre - way), high=np.minimum(priors.high, priors.centre + way)
+    )
 
 
 def gain_of_numbers(refit: FloatArray, after: FloatArray, held_out: ReplayBase | None, seed: int) -> Gain | None:
@@ -69,8 +91,8 @@ def _left_out(problem: Problem, selection: Selection) -> list[HeldOut]:
     weights = problem.replay.weights()
     found = []
     for number, manoeuvre in enumerate(problem.replay.manoeuvres):
-        after = _without(problem, parts, number, ratios(problem, chosen))
-        refit = _without(problem, nothing_parts, number, ratios(problem, ()))
+        after = _without(problem, parts, number, ratios(problem, chosen), problem.priors)
+        refit = _without(problem, nothing_parts, number, ratios(problem, ()), _within_scatter(problem.priors))
         found.append(
             HeldOut(
                 manoeuvre.name,
@@ -84,8 +106,12 @@ def _left_out(problem: Problem, selection: Selection) -> list[HeldOut]:
     return found
 
 
-def _without(problem: Problem, parts: Sequence[Quadratic], left_out: int, widths: FloatArray) -> FloatArray:
+def _without(
+    problem: Problem, parts: Sequence[Quadratic], left_out: int, widths: FloatArray, bounds: Priors
+) -> FloatArray:
+    """Deviations (p,) from all manoeuvres but one, within bounds."""
     rest = total([part for number, part in enumerate(parts) if number != left_out])
-    mean, _ = rest.posterior(widths)
-    theta = problem.priors.centre + problem.scale * mean
-    return np.clip(theta, problem.priors.low, problem.priors.high)
+    curvature = rest.information + np.diag(widths**-2.0)
+    return bounds.centre + problem.scale * lowest_within(
+        curvature, rest.score, problem.scaled(bounds.low), problem.scaled(bounds.high)
+    )

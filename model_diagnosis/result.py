@@ -92,7 +92,7 @@ class Gain(Part):
     held_out: dict[str, SignalGain]
     overall: OverallGain
     against_refit: OverallGain | None = Field(
-        default=None, description="the same relative to a refit of the nominal parameters within their scatter"
+        default=None, description="the same relative to a refit of the nominal parameters within two of their scatters"
     )
     user_figures: dict[str, dict[str, float]] = Field(
         default_factory=dict, description="stopping distance, ABS cycles, … before and after"

@@ -37,7 +37,7 @@ def _true_ratio(case: Path, names: Sequence[str]) -> float | None:
     from model_diagnosis.evidence.priors import Priors
     from model_diagnosis.evidence.search import Search
     from model_diagnosis.gain import held_out_residuals, measure_gain
-    from model_diagnosis.held_out import noise_std
+    from model_diagnosis.held_out import noise_std, refit_within_scatter
     from model_diagnosis.replay import Replay
     from signals.errors import BenchError
     from signals.measured import load_channel_map
@@ -64,6 +64,7 @@ def _true_ratio(case: Path, names: Sequence[str]) -> float | None:
     fresh = base.problem.linearise(fit.theta)
     fit = search.fit_set(true, fresh, fit.theta)
     neutral = np.zeros(len(replay.columns))
-    residuals = held_out_residuals(held_out_replay, neutral, fit.theta, base.nothing.theta)
+    refit = refit_within_scatter(base.problem, base.at_nothing, base.nothing.theta)
+    residuals = held_out_residuals(held_out_replay, neutral, fit.theta, refit)
     against_refit = measure_gain(residuals, noise_std(held_out_replay)).against_refit
     return None if against_refit is None else float(against_refit.ratio)

@@ -220,7 +220,7 @@ def _gain_sentences(diagnosis: Diagnosis) -> list[str]:
     if gain.against_refit is not None:
         refit = gain.against_refit
         words = gain_words(refit.ratio, refit.low, refit.high)
-        sentences.append(f"Against a refit of all nominal parameters within their scatter: {words}.")
+        sentences.append(f"Against a refit of all nominal parameters within two of their scatters: {words}.")
     return sentences
 
 

@@ -14,7 +14,7 @@ _REFERENCE_SPEED_M_S = 10.0
 _SLOWEST_M_S = 0.5
 _REFERENCE_PRESSURE_PA = 3e6
 _RELEASED_PA = 1e5
-_SMALL_ANGLE = 0.5
+_SMALL_ANGLE = 0.3
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -52,8 +52,8 @@ def _friction_share(p: Record, s: Record, i: int, omega: float, effective: float
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _turn_disc(s: Record, i: int, angle: float) -> None:
-    """Turn the disc's direction on; up to half a radian by series, to 1e-12 of a turn in a whole manoeuvre."""
+def turn_disc(s: Record, i: int, angle: float) -> None:
+    """Turn the disc's direction on; up to 0.3 rad by series, to 1e-12 of a turn in a whole manoeuvre."""
     if angle < _SMALL_ANGLE:
         square = angle * angle
         sine = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0))))
@@ -83,7 +83,7 @@ def brake_capacity(p: Record, s: Record, i: int, pressure: float, step: float) -
     cooling = (p.cooling[i] + p.cooling_per_speed[i] * omega) * above
     s.disc_temperature[i] += step * (p.heat_share[i] * torque * omega - cooling) * p.inverse_capacity[i]
     if p.thickness_variation_sine[i] != 0.0 or p.thickness_variation_cosine[i] != 0.0:
-        _turn_disc(s, i, step * omega)
+        turn_disc(s, i, step * omega)
     return torque
 
 

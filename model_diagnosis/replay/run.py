@@ -30,6 +30,7 @@ from model_diagnosis.replay.record import (
     Record,
 )
 from model_diagnosis.replay.state import PAST_STEPS, SUBSTEPS
+from model_diagnosis.replay.taken_step import take_corrected, when_taken, write_last, write_taken
 from model_diagnosis.replay.wheel_step import move_wheel, steer_wheels
 
 PRE_ROLL_SAMPLES = 80
@@ -119,27 +120,6 @@ def take_inputs_at(
     s.steer = _between_rows(inputs, INPUT_STEER, instant - phases[INPUT_STEER])
     s.grade = _between_rows(inputs, INPUT_GRADE, instant - phases[INPUT_GRADE])
     s.bank = _between_rows(inputs, INPUT_BANK, instant - phases[INPUT_BANK])
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def when_taken(phases: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """When in the steps to a sample k signals are taken: which sample that is (k or k - 1, as 0 or -1), in which step,
-    and after which share of it; (c,) each."""
-    rows, steps = np.zeros(len(phases), np.int64), np.zeros(len(phases), np.int64)
-    shares = np.zeros(len(phases))
-    for c in range(len(phases)):
-        place = (phases[c] if phases[c] > 0.0 else 1.0 + phases[c]) * SUBSTEPS
-        steps[c] = min(max(int(np.ceil(place - 1e-9)) - 1, 0), SUBSTEPS - 1)
-        rows[c], shares[c] = (-1 if phases[c] > 0.0 else 0), place - steps[c]
-    return rows, steps, shares
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _any_angle(chosen: NDArray[np.int64]) -> bool:
-    for c in range(len(chosen)):
-        if _SLIP_ANGLE <= chosen[c] < _SLIP_ANGLE + 4 or chosen[c] == _BODY_SLIP_ANGLE:
-            return True
-    return False
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -295,7 +275,8 @@ def replay_run(
     is_phased = bool(input_phases.any() or corrected_phases.any() or output_phases.any())
     taken, corrected = when_taken(output_phases), when_taken(corrected_phases)
     known, counts, anew = np.zeros(6), np.zeros(6), np.zeros(6)
-    with_angles = _any_angle(chosen)
+    is_angle = (chosen >= _SLIP_ANGLE) & (chosen < _SLIP_ANGLE + 4) | (chosen == _BODY_SLIP_ANGLE)
+    with_angles = bool(is_angle.any())
     courses = np.ascontiguousarray(between).reshape(between.shape[0] * SUBSTEPS, 4)
     for i in range(4):
         s.brake_share[i] = s.grip_share[i] = 1.0
@@ -320,8 +301,8 @@ def replay_run(
             if is_phased:
                 before, full = full, before
                 write_outputs(p, s, step, with_angles, full)
-                _write_taken(k, j, before, full, chosen, taken, out)
-                if horizon == 0 and _take_corrected(
+                write_taken(k, j, before, full, chosen, taken, out)
+                if horizon == 0 and take_corrected(
                     k, j, before, full, measured, valid, least, corrected, seen, known, counts, anew
                 ):
                     correct_states(p, s, seen, known, counts, gains, anew)
@@ -339,7 +320,7 @@ def replay_run(
             _see(full, seen)
             correct_states(p, s, seen, measured[k], valid[k], gains, least[k])
     if is_phased:
-        _write_last(full, chosen, output_phases, out)
+        write_last(full, chosen, output_phases, out)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -348,64 +329,3 @@ def _see(full: NDArray[np.float64], seen: NDArray[np.float64]) -> None:
     for i in range(4):
         seen[i] = full[i]
     seen[4], seen[5] = full[_SPEED], full[_YAW_RATE]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _write_taken(
-    k: int,
-    j: int,
-    before: NDArray[np.float64],
-    full: NDArray[np.float64],
-    chosen: NDArray[np.int64],
-    taken: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]],
-    out: NDArray[np.float64],
-) -> None:
-    """Outputs that are taken in step ``j`` to sample ``k``, on the straight line over the step."""
-    rows, steps, shares = taken
-    for c in range(chosen.shape[0]):
-        if steps[c] == j:
-            out[k + rows[c], c] = before[chosen[c]] + shares[c] * (full[chosen[c]] - before[chosen[c]])
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _write_last(
-    full: NDArray[np.float64], chosen: NDArray[np.int64], phases: NDArray[np.float64], out: NDArray[np.float64]
-) -> None:
-    """What is taken behind the last sample's instant is not reached; it gets the last outputs, and has no weight."""
-    for c in range(chosen.shape[0]):
-        if phases[c] > 0.0:
-            out[out.shape[0] - 1, c] = full[chosen[c]]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _take_corrected(
-    k: int,
-    j: int,
-    before: NDArray[np.float64],
-    full: NDArray[np.float64],
-    measured: NDArray[np.float64],
-    valid: NDArray[np.float64],
-    least: NDArray[np.float64],
-    corrected: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]],
-    seen: NDArray[np.float64],
-    known: NDArray[np.float64],
-    counts: NDArray[np.float64],
-    anew: NDArray[np.float64],
-) -> bool:
-    """What the observer corrects on of the signals that are taken in step ``j`` to sample ``k``; False if nothing.
-
-    Into ``seen``, ``known``, ``counts``, ``anew`` (6,) go prediction, measurement, 1 where it holds, and least gain.
-    """
-    rows, steps, shares = corrected
-    found = False
-    for q in range(6):
-        counts[q] = 0.0
-        if steps[q] == j:
-            column = q if q < 4 else (_SPEED if q == 4 else _YAW_RATE)
-            seen[q] = before[column] + shares[q] * (full[column] - before[column])
-            row = k + rows[q]
-            known[q], counts[q], anew[q] = measured[row, q], valid[row, q], least[row, q]
-            found = found or counts[q] != 0.0
-        else:
-            known[q] = anew[q] = 0.0
-    return found
