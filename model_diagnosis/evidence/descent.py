@@ -10,7 +10,7 @@ from model_diagnosis.evidence.bounded import lowest_within, ways_left
 
 FloatArray = NDArray[np.float64]
 
-SHORTENINGS = 3
+SHORTENINGS = 2
 SHORTEST, LONGEST = 0.1, 0.6
 """Least and largest share of a step that did not lower the cost, tried next."""
 
@@ -25,8 +25,11 @@ LITTLE, STILL = 0.01, 0.5
 """A part that gained less than the first share of what it had promised, and still promises more than the second, gets
 no further by the sensitivities at hand; what a replay more would gain, new ones gain better."""
 
+TAUGHT = 1
+"""Steps in a row that may fail before they are shortened, as long as each has taught the sensitivities something."""
+
 KEPT = 0.5
-"""Share of what a step of all columns promised that it must gain for the next one to be one of all, too."""
+"""Share of what a step of all columns promised that it must gain, or teach, for the next one to be one of all, too."""
 
 
 def unsettled(
@@ -62,7 +65,8 @@ class Descent:
     rows_at : whitened residuals at theta; one replay
     cost_of : cost of rows at theta
     gradient_of : (p,) half the cost's slope by z, downhill, of rows at theta
-    curvature : (p, p) half the cost's second derivative by z, as far as it is known
+    curvature_of : (p, p) half the cost's second derivative by z, as far as it is known
+    learn : told of a step, the rows before and those after it; True if slope and curvature are others now
     scale, low, high : (p,) effect width and bounds of theta
     parts : columns (p,) that take steps apart once a step of all has gained little
     fixed : columns held at their value
@@ -73,7 +77,8 @@ class Descent:
     rows_at: Callable[[FloatArray], list[FloatArray]]
     cost_of: Callable[[list[FloatArray], FloatArray], float]
     gradient_of: Callable[[list[FloatArray], FloatArray], FloatArray]
-    curvature: FloatArray
+    curvature_of: Callable[[], FloatArray]
+    learn: Callable[[FloatArray, list[FloatArray], list[FloatArray]], bool]
     scale: FloatArray
     low: FloatArray
     high: FloatArray
@@ -89,7 +94,7 @@ class Descent:
         self.theta = np.clip(start, self.low, self.high)
         self.rows = self.rows_at(self.theta)
         self.cost = self.cost_of(self.rows, self.theta)
-        together = len(self.parts) > 1
+        together, failed = len(self.parts) > 1, 0
         going = [_Part(columns) for columns in self.parts]
         for _ in range(steps):
             before, gradient = self.cost, self.gradient_of(self.rows, self.theta)
@@ -98,39 +103,43 @@ class Descent:
                 promised = float(gradient @ step)
                 if promised < self.tolerance:
                     break
-                self._tried(step, np.ones(len(step), dtype=np.bool_))
-                together = before - self.cost > KEPT * promised
-                if self.cost < before:
+                has_taught = self._tried(step)[1]
+                failed = failed + 1 if self.cost == before else 0
+                together = before - self.cost > KEPT * promised or (has_taught and failed <= TAUGHT)
+                if self.cost < before or together:
                     continue
             # what one part's way is blocked by need not stop the other
             for part in going:
-                self._descend(gradient, part)
+                self._descend(part)
             going = [part for part in going if not part.is_stuck]
             if before - self.cost < self.tolerance:
                 break
         return self.theta, self.rows, self.cost
 
-    def _descend(self, gradient: FloatArray, part: _Part) -> None:
+    def _descend(self, part: _Part) -> None:
         """First of ever shorter steps of a part's columns that lowers the cost.
 
-        The next length is the lowest point of the parabola through the cost, its slope and what the last length gave.
+        The next length is the lowest point of the parabola through the cost, its slope and what the last length gave;
+        a step that has taught the sensitivities another way is followed by one that goes it.
         """
-        step = self._step(gradient, part.columns)
-        promised = float(gradient @ step)
-        part.is_stuck = part.gained < LITTLE * part.promised and promised > STILL * part.promised
-        if part.is_stuck or promised < self.tolerance:
-            return
-        share, part.promised, part.gained = min(LENGTHENED * part.share, 1.0), promised, 0.0
-        for _ in range(SHORTENINGS + 1):
-            change = self._tried(step * share, part.columns if share == 1.0 else None)
+        share = min(LENGTHENED * part.share, 1.0)
+        for attempt in range(SHORTENINGS + 1):
+            gradient = self.gradient_of(self.rows, self.theta)
+            step = self._step(gradient, part.columns)
+            promised = float(gradient @ step)
+            if attempt == 0:
+                part.is_stuck = part.gained < LITTLE * part.promised and promised > STILL * part.promised
+                part.promised, part.gained = promised, 0.0
+            if part.is_stuck or share * promised < self.tolerance:
+                return
+            change, has_taught = self._tried(step * share)
             if change < 0.0:
                 part.share, part.gained = share, -change
                 return
-            bend = change + 2.0 * share * promised
-            lowest = share * promised / bend if np.isfinite(bend) else SHORTEST
-            share *= min(max(lowest, SHORTEST), LONGEST)
-            if share * promised < self.tolerance:
-                break
+            if not has_taught or attempt >= TAUGHT:
+                bend = change + 2.0 * share * promised
+                lowest = share * promised / bend if np.isfinite(bend) else SHORTEST
+                share *= min(max(lowest, SHORTEST), LONGEST)
         part.is_stuck = True
 
     def _step_of_all(self, gradient: FloatArray) -> FloatArray:
@@ -139,37 +148,30 @@ class Descent:
         moving = unsettled(gradient, step, self.parts, self.tolerance)
         return step if moving.all() or not moving.any() else self._step(gradient, moving)
 
-    def _step(self, gradient: FloatArray, part: NDArray[np.bool_], theta: FloatArray | None = None) -> FloatArray:
+    def _step(self, gradient: FloatArray, part: NDArray[np.bool_]) -> FloatArray:
         """Newton step (p,) of a part's columns to the lowest point of the parabola within the bounds.
 
         Columns that the step would carry over a bound go to it, and the others follow that; cut off afterwards, what
         moves together would be torn apart and the step lead uphill.
         """
-        low, high = ways_left(self.theta if theta is None else theta, self.low, self.high, self.scale)
+        low, high = ways_left(self.theta, self.low, self.high, self.scale)
         held = ~part
         held[list(self.fixed)] = True
         low[held] = high[held] = 0.0
-        return lowest_within(self.curvature, gradient, low, high)
+        return lowest_within(self.curvature_of(), gradient, low, high)
 
-    def _tried(self, step: FloatArray, part: NDArray[np.bool_] | None) -> float:
-        """Change of the cost by a step, which is taken if that is negative.
+    def _tried(self, step: FloatArray) -> tuple[float, bool]:
+        """Change of the cost by a step, which is taken if that is negative, and whether it has taught anything.
 
-        Where two columns act as a product a step leads up a curved valley's side, and the next one down again: a step
-        that does not lower the cost is tried once more with what the sensitivities say at its end of the columns of
-        ``part`` (a second-order correction, Fletcher 1982); a shortened one is not.
+        Where two columns act as a product a step leads up a curved valley's side. What that has taught leads the next
+        one along the valley, as a second-order correction from its end would (Fletcher 1982).
         """
         theta, rows, cost = self._at(self.theta + step * self.scale)
+        has_taught = self.learn((theta - self.theta) / self.scale, self.rows, rows)
         change = cost - self.cost
-        if change >= 0.0 and part is not None:
-            gradient = self.gradient_of(rows, theta)
-            back = self._step(gradient, part, theta)
-            promised = float(2.0 * gradient @ back - back @ self.curvature @ back)
-            if cost - promised < self.cost:
-                theta, rows, cost = self._at(theta + back * self.scale)
-        if cost < self.cost:
-            change = cost - self.cost
+        if change < 0.0:
             self.theta, self.rows, self.cost = theta, rows, cost
-        return change
+        return change, has_taught
 
     def _at(self, theta: FloatArray) -> tuple[FloatArray, list[FloatArray], float]:
         """Theta within its bounds, rows and cost there; one replay."""

@@ -1,7 +1,7 @@
 """Fits of the deviations: linearisations of the replay, damped Gauss-Newton with chord steps.
 
 Source: model discrepancy anchor, sections 3.3 and 3.6. A Jacobian costs as much as a hundred replays, so it is computed
-at few points and kept between steps.
+at few points, kept between steps and mended by what they do.
 """
 
 from collections.abc import Sequence
@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.evidence.chords import Chords
 from model_diagnosis.evidence.descent import Descent, unsettled
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.quadratic import Quadratic, total
@@ -42,6 +43,11 @@ class Linearisation:
     matrices: tuple[FloatArray, ...]
     weights: tuple[FloatArray, ...]
     informations: tuple[FloatArray, ...]
+
+    @cached_property
+    def short(self) -> tuple[NDArray[np.float32], ...]:
+        """The matrices with seven digits, more than a finite difference has: reading them is what a slope costs."""
+        return tuple(matrix.astype(np.float32) for matrix in self.matrices)
 
     @property
     def information(self) -> FloatArray:
@@ -155,20 +161,26 @@ class Problem:
         fixed: Sequence[int] = (),
         steps: int = MAXIMUM_STEPS,
     ) -> Fit:
-        """Minimise the cost from ``start`` with chord steps within the bounds."""
+        """Minimise the cost from ``start`` within the bounds, with sensitivities that learn from the steps."""
         precision = (widths / self.scale) ** -2.0
 
+        chords = Chords(
+            linearisation.short,
+            linearisation.weights,
+            linearisation.information,
+            precision,
+            self.whitener.temperature,
+        )
+
         def gradient(rows: Sequence[FloatArray], theta: FloatArray) -> FloatArray:
-            downhill = -precision * self.scaled(theta)
-            for matrix, row in zip(linearisation.matrices, rows, strict=True):
-                downhill += matrix.T @ (huber_weights(row) * row) / self.whitener.temperature
-            return downhill
+            return chords.slope([huber_weights(row) * row for row in rows]) - precision * self.scaled(theta)
 
         descent = Descent(
             self.rows,
             lambda rows, theta: self.cost(rows, theta, widths),
             gradient,
-            linearisation.information + np.diag(precision),
+            lambda: chords.curvature,
+            chords.learn,
             self.scale,
             self.priors.low,
             self.priors.high,

@@ -1,0 +1,85 @@
+"""Sensitivities of a fit: those of one point, mended by what its steps did."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+FORESEEN = 0.1
+"""Share of what a step should have done to the residuals by which it may do otherwise without teaching anything."""
+
+
+class Chords:
+    """Slope and curvature of a cost by sensitivities that learn from every step (Broyden 1965).
+
+    After a step s that should have changed the residuals by -J s, and did so by u less, J <- J + u s'/(s's): the
+    smallest change of J with which the step would have been foreseen. A replay's sensitivities cost as much as a
+    hundred replays; along the few directions that a fit goes, its own steps tell them for nothing.
+
+    Parameters
+    ----------
+    matrices : (N_m, p) per manoeuvre, whitened sensitivities at one point
+    weights : (N_m,) per manoeuvre, Huber's at that point
+    information : (p, p) J'WJ / temperature there
+    precision : (p,) of the prior
+    temperature : divides every quadratic form
+
+    Attributes
+    ----------
+    curvature : (p, p) half the cost's second derivative
+    """
+
+    def __init__(
+        self,
+        matrices: Sequence[NDArray[np.float32]],
+        weights: Sequence[FloatArray],
+        information: FloatArray,
+        precision: FloatArray,
+        temperature: float,
+    ) -> None:
+        self._matrices, self._weights, self._temperature = matrices, weights, temperature
+        self._missed: list[list[FloatArray]] = []
+        self._along: list[FloatArray] = []
+        self.curvature = information + np.diag(precision)
+
+    def slope(self, weighted: Sequence[FloatArray]) -> FloatArray:
+        """J'r / temperature (p,) of weighted residuals (N_m,) per manoeuvre."""
+        total = np.zeros(len(self.curvature))
+        for matrix, row in zip(self._matrices, weighted, strict=True):
+            total += row.astype(np.float32) @ matrix
+        for missed, along in zip(self._missed, self._along, strict=True):
+            total = total + along * sum(float(u @ row) for u, row in zip(missed, weighted, strict=True))
+        return total / self._temperature
+
+    def learn(self, step: FloatArray, before: Sequence[FloatArray], after: Sequence[FloatArray]) -> bool:
+        """Mend the sensitivities by the residuals (N_m,) before and after a step (p,); True if there was need to."""
+        length = float(step @ step)
+        if length == 0.0 or not all(np.isfinite(row).all() for row in after):
+            return False
+        foreseen = self._change(step)
+        missed = [first - last - one for first, last, one in zip(before, after, foreseen, strict=True)]
+        if self._size(missed) <= FORESEEN**2 * self._size(foreseen):
+            return False
+        along = step / length
+        slope = self.slope([weight * u for weight, u in zip(self._weights, missed, strict=True)])
+        mixed = np.outer(along, slope)
+        self.curvature = (
+            self.curvature + mixed + mixed.T + np.outer(along, along) * (self._size(missed) / self._temperature)
+        )
+        self._missed.append(missed)
+        self._along.append(along)
+        return True
+
+    def _change(self, step: FloatArray) -> list[FloatArray]:
+        """J s (N_m,) per manoeuvre."""
+        short = step.astype(np.float32)
+        change = [(matrix @ short).astype(np.float64) for matrix in self._matrices]
+        for missed, along in zip(self._missed, self._along, strict=True):
+            share = float(along @ step)
+            change = [one + share * u for one, u in zip(change, missed, strict=True)]
+        return change
+
+    def _size(self, rows: Sequence[FloatArray]) -> float:
+        return sum(float(weight @ row**2) for weight, row in zip(self._weights, rows, strict=True))
