@@ -133,7 +133,8 @@ def _gain(diagnosis: "Diagnosis") -> str:
         return "Nothing was built in, so there is no gain to measure."
     words = f"Error left on the second half: {_percent(gain.overall)}"
     if gain.against_refit is not None:
-        words += f"; against a refit of all nominal parameters within their scatter: {_percent(gain.against_refit)}"
+        words += "; against a refit of all nominal parameters within two of their scatters: "
+        words += _percent(gain.against_refit)
     rows = [
         [f"`{signal}`", f"{number(one.before, 3)} {one.unit}", f"{number(one.after, 3)} {one.unit}",
          f"{number(one.low, 3)} … {number(one.high, 3)}", f"{number(one.noise_floor, 3)}"]

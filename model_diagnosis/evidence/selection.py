@@ -138,7 +138,10 @@ class Selector:
             refit, linearisation = self.search.polished(stage, rough)
             why = self._why_not(stage, rough, refit, linearisation, needed)
             if why:
-                self.decisions.append(f"refused {self.name(refit.hypothesis)}: {why}")
+                refusal = f"refused {self.name(refit.hypothesis)}: "
+                # of what is refused beside every set of others the last reason tells enough
+                self.decisions = [one for one in self.decisions if not one.startswith(refusal)]
+                self.decisions.append(refusal + why)
                 self.refused.add(refit.hypothesis)
                 continue
             self.refused.discard(refit.hypothesis)
