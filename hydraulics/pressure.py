@@ -94,7 +94,7 @@ def _follow_segment(parameters: Any, state: Any, wheel: int, mode: int, goal: fl
             state.target[wheel] = goal
         state.difference[wheel] = state.target[wheel] - state.pressure[wheel]
     state.segment_time[wheel] = elapsed
-    if state.difference[wheel] == 0.0:
+    if state.difference[wheel] == 0.0:  # at rest: no exponential
         return float(state.target[wheel])
     time_constant = parameters.time_constant[mode] * flow_factor(parameters, wheel, mode)
     return float(state.target[wheel] - state.difference[wheel] * np.exp(-elapsed / time_constant))

@@ -25,7 +25,7 @@ LITTLE, STILL = 0.01, 0.5
 """A part that gained less than the first share of what it had promised, and still promises more than the second, gets
 no further by the sensitivities at hand; what a replay more would gain, new ones gain better."""
 
-TAUGHT = 1
+LESSONS = 1
 """Steps in a row that may fail before they are shortened, as long as each has taught the sensitivities something."""
 
 KEPT = 0.5
@@ -105,7 +105,7 @@ class Descent:
                     break
                 has_taught = self._tried(step)[1]
                 failed = failed + 1 if self.cost == before else 0
-                together = before - self.cost > KEPT * promised or (has_taught and failed <= TAUGHT)
+                together = before - self.cost > KEPT * promised or (has_taught and failed <= LESSONS)
                 if self.cost < before or together:
                     continue
             # what one part's way is blocked by need not stop the other
@@ -136,7 +136,7 @@ class Descent:
             if change < 0.0:
                 part.share, part.gained = share, -change
                 return
-            if not has_taught or attempt >= TAUGHT:
+            if not has_taught or attempt >= LESSONS:
                 bend = change + 2.0 * share * promised
                 lowest = share * promised / bend if np.isfinite(bend) else SHORTEST
                 share *= min(max(lowest, SHORTEST), LONGEST)

@@ -133,10 +133,11 @@ class ReplayBase(ABC):
 
     def _record_at(self, deviations: Mapping[str, float]) -> NDArray[np.void]:
         own = tuple([pair for pair in deviations.items() if pair[0] in _OF_THE_CAR])
-        cars, road = self._cars(own), {name: deviations[name] for name in CONDITIONS if name in deviations}
-        if road:
+        conditions = {name: deviations[name] for name in CONDITIONS if name in deviations}
+        cars = self._cars(own)
+        if conditions:
             cars = cars.copy()
-            change_record(cars, road)
+            change_record(cars, conditions)
         return cars
 
     def _make_car(self, deviations: tuple[tuple[str, float], ...]) -> NDArray[np.void]:

@@ -97,7 +97,6 @@ class HydraulicLog:
     master, pedal : (n,) Pa and N, without noise; None where not measured
     inlet, outlet, pump : (n, 4), (n, 4), (n,); the valves at rest where not measured
     commanded : True where the valve commands were measured
-    wheel_speed : (n, 4) rad/s
     cornering : (n,) True at more than 4 m/s^2
     behind_commands, behind_master : how much later than these the wheel pressures are taken [samples]
     """
@@ -108,7 +107,6 @@ class HydraulicLog:
     outlet: FloatArray
     pump: FloatArray
     commanded: bool
-    wheel_speed: FloatArray
     cornering: NDArray[np.bool_]
     behind_commands: float = 0.0
     behind_master: float = 0.0
@@ -140,7 +138,6 @@ def read_hydraulics(manoeuvre: Manoeuvre, phases: Phases) -> HydraulicLog | None
         outlet=outlet,
         pump=channels.get("pump", assumed.astype(np.float64)),
         commanded=all(f"valve_{valve}_{wheel}" in channels for valve in _VALVES for wheel in WHEELS),
-        wheel_speed=np.ascontiguousarray(wheels("wheel_speed")),
         cornering=np.abs(lateral) > _CORNERING_M_S2,
         behind_commands=phases.pressure - phases.command,
         behind_master=phases.pressure - phases.master,

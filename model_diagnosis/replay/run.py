@@ -30,7 +30,7 @@ from model_diagnosis.replay.record import (
     Record,
 )
 from model_diagnosis.replay.state import PAST_STEPS, SUBSTEPS
-from model_diagnosis.replay.taken_step import take_corrected, when_taken, write_last, write_taken
+from model_diagnosis.replay.taken_step import CORRECTED_OUTPUTS, take_corrected, when_taken, write_last, write_taken
 from model_diagnosis.replay.wheel_step import move_wheel, steer_wheels
 
 PRE_ROLL_SAMPLES = 80
@@ -144,7 +144,7 @@ def lagging_spin(s: Record, i: int, steps: float) -> float:
 def write_outputs(p: Record, s: Record, step: float, with_angles: bool, out: NDArray[np.float64]) -> None:
     """All outputs (``OUTPUTS``) at this instant; sensors of speeds and turning rates lag by a constant time.
 
-    Slip angles cost as much as all others together: they are left out unless ``with_angles``.
+    Slip angles, five arc tangents, are left out unless ``with_angles``.
     """
     for i in range(4):
         out[i] = lagging_spin(s, i, p.wheel_speed_lag / step)
@@ -274,7 +274,7 @@ def replay_run(
     restart[DEAD_BAND_WHEEL] = 0.0
     is_phased = bool(input_phases.any() or corrected_phases.any() or output_phases.any())
     taken, corrected = when_taken(output_phases), when_taken(corrected_phases)
-    known, counts, anew = np.zeros(6), np.zeros(6), np.zeros(6)
+    known, counts, anew = np.zeros(6), np.zeros(6), np.zeros(6)  # of the signals taken in a step
     is_angle = (chosen >= _SLIP_ANGLE) & (chosen < _SLIP_ANGLE + 4) | (chosen == _BODY_SLIP_ANGLE)
     with_angles = bool(is_angle.any())
     courses = np.ascontiguousarray(between).reshape(between.shape[0] * SUBSTEPS, 4)
@@ -326,6 +326,5 @@ def replay_run(
 @njit(cache=True, nogil=True, error_model="numpy")
 def _see(full: NDArray[np.float64], seen: NDArray[np.float64]) -> None:
     """Predictions of the signals that the observer corrects on."""
-    for i in range(4):
-        seen[i] = full[i]
-    seen[4], seen[5] = full[_SPEED], full[_YAW_RATE]
+    for q in range(6):
+        seen[q] = full[CORRECTED_OUTPUTS[q]]

@@ -39,6 +39,14 @@ def test_the_page_is_beside_the_answer(folder: Path) -> None:
     assert "house of equations" in page
 
 
+def test_a_healthy_drive_names_no_cause(healthy_drive: Path, tmp_path: Path) -> None:
+    """The plant that drove is the vehicle file's; its hydraulic unit rests up to 1 bar off its supply, as no fault."""
+    answer = bench.diagnose(healthy_drive, "ekf_car", out=tmp_path)
+    assert answer.causes == []
+    assert answer.discovered_terms == []
+    assert answer.verdict != "wrong_vehicle"
+
+
 def test_a_car_fitted_to_a_healthy_drive_is_that_car(healthy_drive: Path, tmp_path: Path) -> None:
     """The plant that drove is the vehicle file's: nothing is further off than the three scatters that are warned of.
 
