@@ -1,9 +1,9 @@
 """Where jobs run: processes of this machine, or a cluster of dask.distributed; both as ``concurrent.futures``."""
 
-import multiprocessing
 import os
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any, Protocol
 
 from bench.execution.worker import initialise
@@ -33,8 +33,24 @@ class Executors(Protocol):
     def end(self, executor: Executor) -> None:
         """End an executor; jobs that have not begun are dropped."""
 
+    def abandon(self, executor: Executor) -> None:
+        """End an executor in which a worker died; jobs on the way are dropped."""
+
     def close(self) -> None:
         """Free what outlives the executors."""
+
+
+class _KnownProcesses(SpawnContext):
+    """Spawns processes and keeps them in ``started``."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.started: list[SpawnProcess] = []
+
+    def Process(self, *arguments: Any, **named: Any) -> SpawnProcess:  # type: ignore[override]
+        process = SpawnProcess(*arguments, **named)
+        self.started.append(process)
+        return process
 
 
 class LocalProcesses:
@@ -56,15 +72,26 @@ class LocalProcesses:
         if self.workers < 1:
             raise ValueError(f"found {workers} workers, allowed: at least 1")
         self._example = example
+        self._context = _KnownProcesses()
 
     def new(self) -> Executor:
         """A pool of processes that are made with the first job."""
-        return ProcessPoolExecutor(
-            self.workers, multiprocessing.get_context("spawn"), initializer=initialise, initargs=(self._example,)
-        )
+        self._context = _KnownProcesses()
+        return ProcessPoolExecutor(self.workers, self._context, initializer=initialise, initargs=(self._example,))
 
     def end(self, executor: Executor) -> None:
         """End the processes; jobs that have not begun are dropped."""
+        executor.shutdown(wait=True, cancel_futures=True)
+
+    def abandon(self, executor: Executor) -> None:
+        """End the processes at once.
+
+        A broken pool of the standard library waits for all of them, but terminates only those it knew when it broke:
+        one that was spawned meanwhile may wait for ever on a lock that the dead one held.
+        """
+        for process in self._context.started:
+            if process.pid is not None:
+                process.kill()
         executor.shutdown(wait=True, cancel_futures=True)
 
     def close(self) -> None:
@@ -128,6 +155,10 @@ class DaskCluster:
     def end(self, executor: Executor) -> None:
         """Drop the jobs; the cluster's workers live on."""
         executor.shutdown(wait=False)
+
+    def abandon(self, executor: Executor) -> None:
+        """As ``end``: the scheduler sees to workers that died."""
+        self.end(executor)
 
     def close(self) -> None:
         """Leave the cluster; it goes on running."""

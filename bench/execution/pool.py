@@ -121,7 +121,7 @@ class WorkerPool:
             return None
 
     def _renew(self) -> None:
-        self._executors.end(self._executor)
+        self._executors.abandon(self._executor)
         self._executor = self._executors.new()
 
     def _submit(self, job: Job) -> Future[RunRow]:

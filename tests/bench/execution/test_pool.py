@@ -131,6 +131,26 @@ def test_a_worker_killed_once_costs_no_row(pool: WorkerPool, short: ScenarioFile
     assert all(row.outcome == DONE for row in found)
 
 
+def test_a_worker_that_heeds_no_signal_does_not_hold_up_those_after_a_killed_one(short: ScenarioFile) -> None:
+    """A stopped process leaves SIGTERM pending, as one that the broken pool never sent it to; the pool waits for it."""
+    found: list[RunRow] = []
+    with WorkerPool(2, job_of(short)) as pool:
+        pool.start()
+        stopped, killed = workers_of_this_process()[-2:]
+        stopped.suspend()
+        killed.kill()
+        jobs = [job_of(short, key=str(seed), seed=seed) for seed in range(3)]
+        running = threading.Thread(target=lambda: found.extend(pool.run(jobs)), daemon=True)
+        running.start()
+        running.join(120.0)
+        is_held_up = running.is_alive()
+        with suppress(psutil.NoSuchProcess):
+            stopped.kill()  # so that the test ends and fails where it holds up the pool
+        running.join()
+        assert not is_held_up
+    assert sorted((row.key, row.outcome) for row in found) == [("0", DONE), ("1", DONE), ("2", DONE)]
+
+
 def test_workers_end_with_a_parent_that_is_killed(tmp_path: Path, short: ScenarioFile) -> None:
     script = tmp_path / "endless.py"
     script.write_text(
