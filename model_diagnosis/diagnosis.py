@@ -12,6 +12,7 @@ from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from model_diagnosis.data import check_data, read_manoeuvres
 from model_diagnosis.data.holding_out import held_out_by_time
@@ -125,7 +126,22 @@ def diagnose(
     InputError
         If a file cannot be read or holds nothing that a diagnosis could use.
     """
-    clock = _Clock(progress)
+    given = source, vehicle, channel_map, hold_out, hold_out_share, at_most_s, seed
+    # replays share the processors already, and threads of the linear algebra that wait for more work take them away
+    with threadpool_limits(1, user_api="blas"):
+        return _diagnosed(*given, _Clock(progress))
+
+
+def _diagnosed(
+    source: Source,
+    vehicle: VehicleFile | str | Path,
+    channel_map: ChannelMap | str | Path | None,
+    hold_out: Source | None,
+    hold_out_share: float,
+    at_most_s: float | None,
+    seed: int,
+    clock: _Clock,
+) -> Findings:
     clock.begin("data")
     car = vehicle if isinstance(vehicle, VehicleFile) else load_vehicle(vehicle)
     manoeuvres, logs = _manoeuvres(source, car, channel_map)

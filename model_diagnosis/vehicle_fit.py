@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from model_diagnosis.data.checks import check_data
 from model_diagnosis.evidence.base import fit_base
@@ -88,7 +89,8 @@ def fit_vehicle(
     model = replay_class(manoeuvres)
     faults, repaired = check_data(manoeuvres, vehicle, model)
     replay = model(vehicle, repaired)
-    base = fit_base(replay, Priors.of(replay.parameters), progress)
+    with threadpool_limits(1, user_api="blas"):  # replays share the processors already
+        base = fit_base(replay, Priors.of(replay.parameters, in_common=False), progress)
     problem, theta = base.problem, base.nothing.theta
     quadratic = problem.quadratic(base.at_nothing, problem.rows(theta), theta)
     _, covariance = quadratic.posterior(ratios(problem, ()))

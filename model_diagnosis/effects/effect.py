@@ -54,6 +54,8 @@ class EffectParameter:
         stands for each wheel or axle
     relative : True where physical value = nominal · (1 + deviation), False where it is nominal + deviation
     never_negative : True where the physical value cannot fall below 0: an addition is bounded by the vehicle's value
+    form_std : how far the replay's form may be off in the direction of this number, on top of what an ordinary car is
+    common_path : path, a pattern, of the numbers that this one moves together and whose scatter it shares in
     """
 
     name: str
@@ -65,6 +67,8 @@ class EffectParameter:
     vehicle_path: str = ""
     relative: bool = True
     never_negative: bool = False
+    form_std: float = 0.0
+    common_path: str = ""
 
 
 @dataclass(frozen=True)

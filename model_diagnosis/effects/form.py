@@ -22,11 +22,12 @@ FORM_EFFECTS: tuple[Effect, ...] = (
     _form(
         "form_contact_scrub",
         Group.SUSPENSION,
-        "v_contact = v + (1 + d)(h - R)(roll rate or pitch rate), R the height of the axis that links leave the body: "
-        "real ones carry the wheel along less",
+        "v_contact = v + (1 + d)(roll rate or pitch rate) h - (1 + d_links) tan(link) travel rate: real ones carry the "
+        "wheel along less, and their bushings give way",
         _MOTION,
         EffectParameter("roll", "1", -1.0, 0.3, 0.5, 0.5),
         EffectParameter("pitch", "1", -1.0, 0.3, 0.5, 0.5),
+        EffectParameter("links", "1", -1.5, 0.5, 0.7, 0.7),
     ),
     _form(
         "form_guide_lean",
@@ -93,6 +94,23 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         "c_compression <- (1 + d) c_compression, c_rebound falls by as much",
         ("roll_rate", "pitch_rate"),
         EffectParameter("share", "1", -0.6, 0.6, 0.25, 0.25),
+    ),
+    _form(
+        "form_axles_alike",
+        Group.SUSPENSION,
+        "k_front, k_rear <- (1 + d) k_front, (1 + d) k_rear: what is off at one axle of a car is half off at the other",
+        _MOTION,
+        *(
+            EffectParameter(name, unit, low, high, scatter, scatter, relative=unit == "1", common_path=path)
+            for name, unit, low, high, scatter, path in (
+                ("spring_rate", "1", -0.3, 0.3, 0.03, "suspension.*.spring_rate"),
+                ("damping", "1", -0.5, 0.5, 0.05, "suspension.*.damping_scale"),
+                ("anti_roll_rate", "1", -0.5, 0.5, 0.05, "suspension.*.anti_roll_rate"),
+                ("roll_centre_height", "m", -0.1, 0.1, 0.01, "suspension.*.roll_centre_height"),
+                ("support_angle", "rad", -0.1, 0.1, 0.01, "suspension.*.*_support_angle"),
+                ("friction_factor", "1", -0.3, 0.3, 0.03, "wheels.*.friction_factor"),
+            )
+        ),
     ),
     _form(
         "form_inferred_braking",

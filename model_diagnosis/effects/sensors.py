@@ -97,7 +97,10 @@ SENSOR_EFFECTS: tuple[Effect, ...] = (
         group=Group.SENSOR,
         application=Application.INPUT,
         equation="p' = s p, all wheel brakes",
-        parameters=(EffectParameter("wheels", "1", -0.5, 0.5, 0.005, 0.12, "sensors.brake_pressure.scale"),),
+        # between unit and brake a line and its valve make 1 % of the pressures that build up and fall in a stop
+        parameters=(
+            EffectParameter("wheels", "1", -0.5, 0.5, 0.005, 0.12, "sensors.brake_pressure.scale", form_std=0.01),
+        ),
         signals=("longitudinal_acceleration", *(f"wheel_speed_{wheel}" for wheel in WHEELS)),
         confounded_with=("brake_pad_friction",),
         separating_manoeuvre="a second pressure sensor: master against wheel pressure at hold",

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.evidence.checks import Consistency, consistency
 from model_diagnosis.evidence.lookalikes import LookAlikes
+from model_diagnosis.evidence.priors import common_columns
 from model_diagnosis.evidence.replay_model import ReplayModel
 from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Accepted, Selection
@@ -58,6 +59,7 @@ def causes(search: Search, selection: Selection, alike: Sequence[LookAlikes], ph
     for one in selection.accepted:
         std[list(one.hypothesis.columns)] *= np.sqrt(np.diag(one.direction.covariance))
     scaled = problem.scaled(selection.fit.theta)
+    deviations = with_commons(selection.fit.theta, problem.replay.parameters)
     names = [manoeuvre.name for manoeuvre in problem.replay.manoeuvres]
     found = []
     for accepted, other in zip(selection.accepted, alike, strict=True):
@@ -65,7 +67,7 @@ def causes(search: Search, selection: Selection, alike: Sequence[LookAlikes], ph
         agreement = {column: consistency(parts, scaled, column) for column in accepted.hypothesis.columns}
         estimates = {
             problem.replay.parameters[column].name: _estimate(
-                physical, column, selection.fit.theta[column], std[column], problem.replay.parameters[column]
+                physical, column, deviations[column], std[column], problem.replay.parameters[column]
             )
             for column in accepted.hypothesis.columns
         }
@@ -86,6 +88,15 @@ def causes(search: Search, selection: Selection, alike: Sequence[LookAlikes], ph
         found.append(CauseDetail(cause, accepted, other, agreement, held_out))
     # a cause that shares its probability with a look-alike is no less certain for that
     return sorted(found, key=lambda one: (-round(sum(one.cause.group_probabilities.values()), 2), -one.cause.evidence))
+
+
+def with_commons(theta: FloatArray, parameters: Sequence[EffectParameter]) -> FloatArray:
+    """Deviations (p,) with what moves both axles of the car counted to each one's."""
+    whole = theta.copy()
+    for own, common in common_columns(parameters).items():
+        both = theta[common]
+        whole[own] += both * (1.0 + theta[own]) if parameters[own].relative else both
+    return whole
 
 
 def _estimate(

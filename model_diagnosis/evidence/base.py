@@ -18,10 +18,12 @@ from model_diagnosis.evidence.whitening import Whitener, fit_whitener, sensor_wh
 FloatArray = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 
+CRUDE_STEPS = 5
+"""Steps of the fits that two forms are compared by."""
+
 CONVERGING_SWEEPS = 3
 CONVERGED = 1.0
 """Cost by which fresh sensitivities must lower a fit for others to be taken."""
-
 
 CLEARLY_LOWER = 0.9
 """Share of a crude fit's cost below which another form's is lower. In a stop with ABS the right one's is a quarter to a
@@ -116,7 +118,7 @@ def nearer_form(replay: ReplayModel, priors: Priors) -> tuple[Problem, list[Floa
         crude = Problem(replay, one, sensor_whitener(replay))
         at_file = replay.sensitivities(neutral)
         chord = crude.linearise(neutral, at_file)
-        found.append((crude, at_file, chord, crude.fit(chord, one.nuisance, neutral)))
+        found.append((crude, at_file, chord, crude.fit(chord, one.nuisance, neutral, steps=CRUDE_STEPS, is_rough=True)))
     nearest = min(found, key=lambda one: one[-1].cost)
     return nearest if nearest[-1].cost < CLEARLY_LOWER * found[0][-1].cost else found[0]
 
@@ -140,7 +142,7 @@ def _saturated_from_two_starts(
     problem: Problem, chord: Linearisation, starts: tuple[FloatArray, FloatArray]
 ) -> tuple[Fit, Whitener]:
     """Saturated fit and its whitening from the start that leaves the smaller sum of log sigma."""
-    fits = [problem.fit(chord, problem.priors.saturated(), start) for start in starts]
+    fits = [problem.fit(chord, problem.priors.saturated(), start, is_rough=True) for start in starts]
     whiteners = [fit_whitener(problem.replay, problem.replay.residuals(fit.theta)) for fit in fits]
     best = int(np.argmin([whitener.log_sigma() for whitener in whiteners]))
     return fits[best], whiteners[best]

@@ -71,6 +71,7 @@ class Descent:
     parts : columns (p,) that take steps apart once a step of all has gained little
     fixed : columns held at their value
     tolerance : cost below which a step is not worth a replay
+    rough : promised cost up to which a step that fails is tried anew once only, part by part, and never shortened
     theta, rows, cost : where it stands
     """
 
@@ -85,6 +86,7 @@ class Descent:
     parts: Sequence[NDArray[np.bool_]]
     fixed: Sequence[int]
     tolerance: float
+    rough: float
     theta: FloatArray = field(init=False)
     rows: list[FloatArray] = field(init=False)
     cost: float = field(init=False)
@@ -105,7 +107,9 @@ class Descent:
                     break
                 has_taught = self._tried(step)[1]
                 failed = failed + 1 if self.cost == before else 0
-                together = before - self.cost > KEPT * promised or (has_taught and failed <= LESSONS)
+                together = before - self.cost > KEPT * promised or (
+                    has_taught and failed <= LESSONS and promised > self.rough
+                )
                 if self.cost < before or together:
                     continue
             # what one part's way is blocked by need not stop the other
@@ -136,6 +140,8 @@ class Descent:
             if change < 0.0:
                 part.share, part.gained = share, -change
                 return
+            if attempt >= LESSONS and promised < self.rough:
+                break
             if not has_taught or attempt >= LESSONS:
                 bend = change + 2.0 * share * promised
                 lowest = share * promised / bend if np.isfinite(bend) else SHORTEST

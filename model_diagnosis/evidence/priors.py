@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,20 @@ NUISANCE_FLOOR = 1e-3
 def is_scattering(parameter: EffectParameter) -> bool:
     """True for a number of the vehicle file that is off in every car."""
     return bool(parameter.vehicle_path) and parameter.nuisance_std > NUISANCE_FLOOR * parameter.effect_std
+
+
+COMMON_SHARE = 0.5
+"""Share of a scatter's variance that both axles of a car have in common: one data sheet, one parts bin, one load."""
+
+
+def common_columns(parameters: Sequence[EffectParameter]) -> dict[int, int]:
+    """Column of one axle's number -> column that moves it together with the other axle's."""
+    return {
+        own: common
+        for common, moved in enumerate(parameters)
+        for own, parameter in enumerate(parameters)
+        if moved.common_path and parameter.vehicle_path and fnmatchcase(parameter.vehicle_path, moved.common_path)
+    }
 
 
 @dataclass(frozen=True)
@@ -38,10 +53,18 @@ class Priors:
     high: FloatArray
 
     @classmethod
-    def of(cls, parameters: Sequence[EffectParameter]) -> "Priors":
-        """Priors as catalogue and vehicle file state them."""
+    def of(cls, parameters: Sequence[EffectParameter], in_common: bool = True) -> "Priors":
+        """Priors as catalogue and vehicle file state them; without ``in_common`` each axle is off for itself alone."""
         effect = np.array([parameter.effect_std for parameter in parameters])
-        nuisance = np.array([parameter.nuisance_std for parameter in parameters])
+        nuisance = np.array([np.hypot(parameter.nuisance_std, parameter.form_std) for parameter in parameters])
+        commons = common_columns(parameters)
+        if in_common:
+            nuisance[list(commons)] *= np.sqrt(1.0 - COMMON_SHARE)
+            nuisance[list(commons.values())] = COMMON_SHARE**0.5 * np.array(
+                [parameters[common].nuisance_std for common in commons.values()]
+            )
+        else:
+            nuisance[list(commons.values())] = 0.0
         return cls(
             centre=np.zeros(len(effect)),
             nuisance=np.maximum(nuisance, NUISANCE_FLOOR * effect),

@@ -22,6 +22,10 @@ CORRELATED_NUISANCES = 12
 EQUAL_DIGITS = 3
 """Decimals to which log evidences are compared."""
 
+FAR_BEHIND = 30.0
+"""Cost by which a fit with the sensitivities at hand may lie above the best one's and still be fitted with new ones:
+those gain some units, and a cause that is 15 less likely in the logarithm comes to nothing."""
+
 RESTART_GAIN = 4.0
 """Cost that a restart of "nothing more" has to gain for everything to be fitted once more from there."""
 
@@ -158,7 +162,10 @@ class Search:
 
         Where the restart finds a better optimum, the candidates start from there too: all get the same chance.
         """
-        fits = {candidate.hypothesis: self._refit_one(stage, candidate) for candidate in candidates}
+        fits: dict[Hypothesis, tuple[Fit, list[Quadratic], list[int]]] = {}
+        for candidate in candidates:
+            ahead = min((known[0].cost for known in fits.values()), default=np.inf)
+            fits[candidate.hypothesis] = self._refit_one(stage, candidate, ahead)
         if not fits:
             return stage
         if self._restart(stage, fits):
@@ -166,7 +173,8 @@ class Search:
             stage.linear = linear_evidence(self.problem, quadratic, self.hypotheses, stage.accepted)
             for hypothesis, known in fits.items():
                 start = self._linear_start(quadratic, stage, self.hypotheses.index(hypothesis))
-                again = self._refit_one(stage, Candidate(hypothesis, (start, known[0].theta)))
+                ahead = min(known[0].cost for known in fits.values())
+                again = self._refit_one(stage, Candidate(hypothesis, (start, known[0].theta)), ahead)
                 fits[hypothesis] = min(known, again, key=lambda one: one[0].cost)
             self._restart(stage, fits)
         if self._catch_up(stage, fits) and self._restart(stage, fits):
@@ -206,18 +214,27 @@ class Search:
             parts = self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta)
         return Refit(refit.hypothesis, fit, self._score(stage, refit.hypothesis, fit, parts), parts)
 
-    def fit_set(self, chosen: Sequence[Hypothesis], linearisation: Linearisation, start: FloatArray) -> Fit:
+    def fit_set(
+        self, chosen: Sequence[Hypothesis], linearisation: Linearisation, start: FloatArray, is_rough: bool = False
+    ) -> Fit:
         """Fit with these hypotheses present, from ``start``."""
         widths = self.problem.priors.widths(present_columns(chosen))
-        return self.problem.fit(linearisation, widths, _with_values(start, chosen), fixed_columns(chosen))
+        return self.problem.fit(
+            linearisation, widths, _with_values(start, chosen), fixed_columns(chosen), is_rough=is_rough
+        )
 
-    def _refit_one(self, stage: Stage, candidate: Candidate) -> tuple[Fit, list[Quadratic], list[int]]:
-        """Best fit over the starts by chords, then again with fresh columns where it counts."""
+    def _refit_one(
+        self, stage: Stage, candidate: Candidate, ahead: float = np.inf
+    ) -> tuple[Fit, list[Quadratic], list[int]]:
+        """Best fit over the starts by chords, then again with fresh columns unless it is far behind the best cost."""
         chosen = (*stage.accepted, candidate.hypothesis)
-        best = min((self.fit_set(chosen, stage.linearisation, start) for start in candidate.starts), key=_cost)
+        best = min((self.fit_set(chosen, stage.linearisation, start, True) for start in candidate.starts), key=_cost)
         columns = self.related(stage.linearisation, candidate.hypothesis, stage.accepted)
+        if best.cost > ahead + FAR_BEHIND:
+            rows = self.problem.rows(best.theta)
+            return best, self.problem.quadratics(stage.linearisation, rows, best.theta), columns
         linearisation = self.problem.refreshed(stage.linearisation, best.theta, columns)
-        fit = self.fit_set(chosen, linearisation, best.theta)
+        fit = self.fit_set(chosen, linearisation, best.theta, is_rough=True)
         return fit, self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta), columns
 
     def _catch_up(self, stage: Stage, fits: dict[Hypothesis, tuple[Fit, list[Quadratic], list[int]]]) -> bool:

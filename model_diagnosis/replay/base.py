@@ -77,6 +77,7 @@ class ReplayBase(ABC):
         self._values = values_of(vehicle)
         self._set_columns(columns)
         self._threads = threads or os.cpu_count() or 1
+        self._pool = ThreadPoolExecutor(self._threads)
         # every manoeuvre of a sweep asks for the same cars
         self._cars = lru_cache(maxsize=_CARS_KEPT)(self._make_car)
         self._tables = lru_cache(maxsize=_CARS_KEPT)(self._make_tables)
@@ -155,8 +156,7 @@ class ReplayBase(ABC):
 
         if self._threads == 1 or len(self.prepared) == 1:
             return [of(m) for m in range(len(self.prepared))]
-        with ThreadPoolExecutor(self._threads) as pool:
-            return list(pool.map(of, range(len(self.prepared))))
+        return list(self._pool.map(of, range(len(self.prepared))))
 
     def sensor_std(self, signal: str) -> float:
         """Own noise of a signal's sensor in the signal's unit."""

@@ -132,6 +132,7 @@ def _form_changes() -> dict[str, tuple[_Change, ...]]:
     return {
         "form_contact_scrub.roll": (_absolute("roll_scrub"),),
         "form_contact_scrub.pitch": (_absolute("pitch_scrub"),),
+        "form_contact_scrub.links": (_absolute("link_scrub"),),
         "form_pitch_pole.share": (_absolute("pitch_pole"),),
         "form_guide_lean.share": (_absolute("guide_lean"),),
         "form_transient.share": (_absolute("lag_on_force"),),
@@ -141,6 +142,11 @@ def _form_changes() -> dict[str, tuple[_Change, ...]]:
         "form_body_inertia.roll": (_relative("roll_inertia"),),
         "form_body_inertia.pitch": (_relative("pitch_inertia"),),
         **_each_axle("form_wheel_inertia", "spin_inertia"),
+        "form_axles_alike.spring_rate": (_relative("spring_rate", ALL),),
+        "form_axles_alike.damping": (_relative("compression_damping", ALL), _relative("rebound_damping", ALL)),
+        "form_axles_alike.anti_roll_rate": (_relative("anti_roll_rate", ALL),),
+        "form_axles_alike.roll_centre_height": (_absolute("roll_centre_height", ALL),),
+        "form_axles_alike.friction_factor": (_relative("friction", ALL),),
         "form_inferred_braking.front": (_absolute("inferred_front"),),
         "form_lag.accelerometer": (_absolute("accelerometer_lag", least=0.0),),
         "form_lag.gyro": (_absolute("gyro_lag"),),
@@ -152,7 +158,8 @@ def _form_changes() -> dict[str, tuple[_Change, ...]]:
 
 def _support(axle: slice) -> Callable[[np.void, float], None]:
     def apply(entry: np.void, angle: float) -> None:
-        entry["brake_support"][axle] = np.tan(np.arctan(entry["brake_support"][axle]) + angle)
+        for support in ("brake_support", "drive_support"):
+            entry[support][axle] = np.tan(np.arctan(entry[support][axle]) + angle)
 
     return apply
 
@@ -213,6 +220,7 @@ _CHANGES: Mapping[str, tuple[_Change, ...]] = {
 _LAWS: Mapping[str, Callable[[np.void, float], None]] = {
     "form_damper_split.share": _damper_split,
     "form_tyre_spring.compliance": _tyre_compliance,
+    "form_axles_alike.support_angle": _support(ALL),
     "anti_dive_anti_lift.front": _support(FRONT),
     "anti_dive_anti_lift.rear": _support(REAR),
     "aero_lift_front_rear.front": _lift("lift_front"),

@@ -32,7 +32,7 @@ def nominal_value(parameter: EffectParameter, values: Values) -> tuple[float, st
 def adjusted_parameter(parameter: EffectParameter, values: Values, scatter: Mapping[str, Scatter]) -> EffectParameter:
     """The parameter with the scatter that the vehicle file states, and no reduction below what the car has."""
     nominal, _ = nominal_value(parameter, values)
-    path = parameter.vehicle_path
+    path = parameter.vehicle_path or parameter.common_path
     stated = next((entry for place, entry in scatter.items() if path and fnmatchcase(place, path)), None)
     width = parameter.nuisance_std
     if stated is not None:

@@ -78,6 +78,7 @@ _NUMBERS = (
     "wheel_speed_lag",
     "roll_scrub",  # share of the body's roll rate and pitch rate that moves the contact patches
     "pitch_scrub",
+    "link_scrub",  # share of what inclined links move them by as the wheels travel
     "pitch_pole",  # share of the way from the centre of gravity to the springs' centre about which the body pitches
     "guide_lean",  # share of the body's lean that turns the wheels' guides
     "lag_on_force",  # share of the relaxation lengths along which the force follows, not the slip

@@ -7,7 +7,6 @@ replay.residuals(theta)[0]        # (n, c) measured minus predicted of the first
 
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 
 import numpy as np
@@ -150,9 +149,8 @@ class Replay(ReplayBase):
         they drive nothing.
         """
         chosen = list(range(len(self.columns))) if columns is None else [int(column) for column in columns]
-        with ThreadPoolExecutor(self._threads) as pool:
-            at = np.asarray(theta, dtype=np.float64)
-            return [self._sweep(at, m, chosen, pool) for m in range(len(self.prepared))]
+        at = np.asarray(theta, dtype=np.float64)
+        return [self._sweep(at, m, chosen) for m in range(len(self.prepared))]
 
     def corrections(self, m: int) -> FloatArray:
         """(c, 1) change of the observer's speed by one unit of each compared signal's residual."""
@@ -236,7 +234,7 @@ class Replay(ReplayBase):
         step = (_COARSE_STEP_SHARE if jumps else STEP_SHARE) * parameter.effect_std
         return step if theta[column] + step <= parameter.high else -step
 
-    def _sweep(self, theta: FloatArray, m: int, columns: Sequence[int], pool: ThreadPoolExecutor) -> FloatArray:
+    def _sweep(self, theta: FloatArray, m: int, columns: Sequence[int]) -> FloatArray:
         """Derivatives (n, c, len(columns)) of manoeuvre ``m``."""
         prepared, deviations = self.prepared[m], self.deviations_at(theta, m)
         base = self._parts(deviations, prepared, self.gains)
@@ -258,5 +256,5 @@ class Replay(ReplayBase):
             moved = self._reported(changed, prepared, self._parts(changed, prepared, self.gains, known=(base,)))
             result[:, :, place] = (moved - reported) / step
 
-        list(pool.map(derive_column, range(len(columns))))
+        list(self._pool.map(derive_column, range(len(columns))))
         return result

@@ -6,7 +6,6 @@ replay.residuals(theta)[0]        # (n, c) forces measured minus predicted of th
 """
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,8 +107,7 @@ class RigReplay(ReplayBase):
                 slopes[:, :, place] = (self.predict(moved, m) - base) / step
             return slopes
 
-        with ThreadPoolExecutor(self._threads) as pool:
-            return list(pool.map(of, range(len(self.prepared))))
+        return list(self._pool.map(of, range(len(self.prepared))))
 
     def _step_of(self, theta: FloatArray, column: int) -> float:
         parameter = self.parameters[column]

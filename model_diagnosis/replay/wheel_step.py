@@ -68,10 +68,10 @@ def move_wheel(
     turn, omega = s.mid_yaw_rate, s.spin[i]
     # the body turns about the axis that its links leave it and carries the contact along; as a form, by less than that
     rate = s.travel_rate[i]
-    carried_x = -p.height * s.mid_pitch_rate - p.guide_brake[i] * rate
-    carried_y = p.height * s.mid_roll_rate - p.guide_side[i] * rate
-    at_x = s.mid_speed - turn * p.wheel_y[i] + p.pitch_scrub * carried_x + p.guide_lean * s.mid_pitch * rate
-    at_y = s.mid_lateral_speed + turn * p.wheel_x[i] + p.roll_scrub * carried_y - p.guide_lean * s.mid_roll * rate
+    carried_x = -p.pitch_scrub * p.height * s.mid_pitch_rate - p.link_scrub * p.guide_brake[i] * rate
+    carried_y = p.roll_scrub * p.height * s.mid_roll_rate - p.link_scrub * p.guide_side[i] * rate
+    at_x = s.mid_speed - turn * p.wheel_y[i] + carried_x + p.guide_lean * s.mid_pitch * rate
+    at_y = s.mid_lateral_speed + turn * p.wheel_x[i] + carried_y - p.guide_lean * s.mid_roll * rate
     sine, cosine = s.sine[i], s.cosine[i]
     v_x, v_y = cosine * at_x + sine * at_y, cosine * at_y - sine * at_x
     radius = p.radius[i] - p.radius_load * (load - p.static_load[i]) + p.radius_speed * v_x * v_x

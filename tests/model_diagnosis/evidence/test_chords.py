@@ -79,6 +79,7 @@ def test_a_reciprocal_is_found_from_far_off(learning: bool) -> None:
         (np.ones(2, dtype=np.bool_),),
         (),
         1e-3,
+        0.0,
     )
     _, _, cost = descent.run(start, 12)
     assert (cost < 1.0) == learning

@@ -18,6 +18,8 @@ def _descent(
     slope: Callable[[NDArray[np.float64]], NDArray[np.float64]],
     curvature: NDArray[np.float64],
     parts: Sequence[NDArray[np.bool_]] = ALL,
+    rough: float = 0.0,
+    taught: bool = False,
 ) -> tuple[Descent, list[int]]:
     """A descent on a function of six deviations; ``slope`` is the cost's, and the number of its replays."""
     replays = [0]
@@ -33,13 +35,14 @@ def _descent(
             lambda _, theta: cost(theta),
             lambda _, theta: -0.5 * slope(theta),
             lambda: curvature,
-            lambda *_: False,
+            lambda *_: taught,
             np.ones(6),
             -bounds,
             bounds,
             parts,
             (),
             1e-6,
+            rough,
         ),
         replays,
     )
@@ -95,3 +98,23 @@ def test_a_part_that_has_nothing_to_gain_stays_where_it_is_to_the_bit() -> None:
     assert np.array_equal(found[first], start[first])
     assert found[~first] == pytest.approx(target[~first], abs=1e-9)
     assert left < 1e-6
+
+
+def test_a_rough_descent_leaves_what_little_a_shorter_step_would_gain() -> None:
+    """The cost bends fifty times as much as known, so that only a shortened step gains, and there is little to gain."""
+    known, target = np.eye(6), np.full(6, 0.5)
+
+    def cost(theta: NDArray[np.float64]) -> float:
+        return float(50.0 * (theta - target) @ (theta - target))
+
+    def slope(theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        return 100.0 * (theta - target)
+
+    promised = 0.25 * float(slope(np.zeros(6)) @ slope(np.zeros(6)))  # g'M^-1 g with half the slope
+    thorough, of_thorough = _descent(cost, slope, known, taught=True)
+    rough, of_rough = _descent(cost, slope, known, rough=2.0 * promised, taught=True)
+    eager, _ = _descent(cost, slope, known, rough=0.01 * promised, taught=True)
+    assert thorough.run(np.zeros(6), 12)[2] < 1e-4
+    assert eager.run(np.zeros(6), 12)[2] < 1.0
+    assert rough.run(np.zeros(6), 12)[2] == cost(np.zeros(6))
+    assert of_rough[0] < of_thorough[0]
