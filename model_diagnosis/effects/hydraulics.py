@@ -83,8 +83,8 @@ HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
     _hydraulic(
         name="hydraulic_leak",
         equation="q = G p out of the wheel brake",
-        # a tight brake has none; what the form of filling and return leaves is 5 % of a front brake's pressure a second
-        parameters=tuple(_absolute(w, "m^3/s/Pa", 4e-13, 8e-15, 6e-14, "brake_leak") for w in WHEELS),
+        # a tight brake has none; what the form of filling and return leaves is 3 % of a front brake's pressure a second
+        parameters=tuple(_absolute(w, "m^3/s/Pa", 4e-13, 5e-15, 6e-14, "brake_leak") for w in WHEELS),
         confounded_with=("outlet_valve_conductance",),
         separating_manoeuvre="hold 60 bar for 5 s",
         source="laminar leak",
