@@ -126,22 +126,7 @@ def diagnose(
     InputError
         If a file cannot be read or holds nothing that a diagnosis could use.
     """
-    given = source, vehicle, channel_map, hold_out, hold_out_share, at_most_s, seed
-    # replays share the processors already, and threads of the linear algebra that wait for more work take them away
-    with threadpool_limits(1, user_api="blas"):
-        return _diagnosed(*given, _Clock(progress))
-
-
-def _diagnosed(
-    source: Source,
-    vehicle: VehicleFile | str | Path,
-    channel_map: ChannelMap | str | Path | None,
-    hold_out: Source | None,
-    hold_out_share: float,
-    at_most_s: float | None,
-    seed: int,
-    clock: _Clock,
-) -> Findings:
+    clock = _Clock(progress)
     clock.begin("data")
     car = vehicle if isinstance(vehicle, VehicleFile) else load_vehicle(vehicle)
     manoeuvres, logs = _manoeuvres(source, car, channel_map)
@@ -168,7 +153,9 @@ def _diagnosed(
     other = model(car, held_out) if held_out else None
     if isinstance(other, RigReplay) and other.columns != replay.columns:
         raise InputError("the held-out wheel is of another axle", mend="diagnose and hold out wheels of the same axle")
-    return _Pipeline(car, replay, other, faults, logs, seed, clock).run()
+    # replays share the processors already, and threads of the linear algebra that wait for more work take them away
+    with threadpool_limits(1, user_api="blas"):
+        return _Pipeline(car, replay, other, faults, logs, seed, clock).run()
 
 
 def _with_faults(error: InputError, faults: Sequence[DataFault]) -> InputError:

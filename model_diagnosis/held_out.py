@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from model_diagnosis.evidence.bounded import lowest_within
 from model_diagnosis.evidence.fitting import Linearisation, Problem
-from model_diagnosis.evidence.priors import Priors
+from model_diagnosis.evidence.priors import Priors, with_commons
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.search import ratios
 from model_diagnosis.evidence.selection import Selection
@@ -50,15 +50,21 @@ def gain_of(
 
 def refit_within_scatter(problem: Problem, linearisation: Linearisation, start: FloatArray) -> FloatArray:
     """Deviations (p,) that fit best while no number is off by more than two of its scatters, and nothing is wrong."""
-    inside = _within_scatter(problem.priors)
+    inside = _within_scatter(problem)
     bounded = replace(problem, priors=inside)
-    return bounded.fit(linearisation, inside.nuisance, np.clip(start, inside.low, inside.high)).theta
+    begin = np.clip(with_commons(start, problem.replay.parameters), inside.low, inside.high)
+    return bounded.fit(linearisation, inside.nuisance, begin).theta
 
 
-def _within_scatter(priors: Priors) -> Priors:
-    way = SCATTERS_OF_A_REFIT * priors.nuisance
+def _within_scatter(problem: Problem) -> Priors:
+    """Priors with bounds at two stated scatters, each axle for itself: in common they would add up to more."""
+    priors, apart = problem.priors, Priors.of(problem.replay.parameters, in_common=False)
+    way = SCATTERS_OF_A_REFIT * apart.nuisance
     return replace(
-        priors, low=np.maximum(priors.low, priors.centre - way), high=np.minimum(priors.high, priors.centre + way)
+        priors,
+        nuisance=apart.nuisance,
+        low=np.maximum(priors.low, priors.centre - way),
+        high=np.minimum(priors.high, priors.centre + way),
     )
 
 
@@ -92,7 +98,7 @@ def _left_out(problem: Problem, selection: Selection) -> list[HeldOut]:
     found = []
     for number, manoeuvre in enumerate(problem.replay.manoeuvres):
         after = _without(problem, parts, number, ratios(problem, chosen), problem.priors)
-        refit = _without(problem, nothing_parts, number, ratios(problem, ()), _within_scatter(problem.priors))
+        refit = _without(problem, nothing_parts, number, ratios(problem, ()), _within_scatter(problem))
         found.append(
             HeldOut(
                 manoeuvre.name,

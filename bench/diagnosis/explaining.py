@@ -115,7 +115,7 @@ def signals_text(effect: Effect) -> str:
 
 def scatter_text(parameter: EffectParameter) -> str:
     """How far an ordinary car is off."""
-    return _quantity(parameter.nuisance_std, parameter) if parameter.nuisance_std > 0.0 else "nothing"
+    return _quantity(parameter.ordinary_std, parameter) if parameter.ordinary_std > 0.0 else "nothing"
 
 
 def _section(effect: Effect) -> list[str]:

@@ -3,6 +3,7 @@
 A parameter's value 0 is neutral: it is the deviation from the vehicle file, relative (factor − 1) or in its unit.
 """
 
+import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -69,6 +70,11 @@ class EffectParameter:
     never_negative: bool = False
     form_std: float = 0.0
     common_path: str = ""
+
+    @property
+    def ordinary_std(self) -> float:
+        """How far an ordinary car is off in the replay's eyes: its own scatter and what the form adds."""
+        return math.hypot(self.nuisance_std, self.form_std)
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         _MOTION,
         EffectParameter("roll", "1", -1.0, 0.3, 0.5, 0.5),
         EffectParameter("pitch", "1", -1.0, 0.3, 0.5, 0.5),
+        # a rigid link (0) and none (-1) are 0.7 of this scatter from their middle, as likely as each other
         EffectParameter("links", "1", -1.5, 0.5, 0.7, 0.7),
     ),
     _form(
@@ -107,7 +108,7 @@ FORM_EFFECTS: tuple[Effect, ...] = (
                 ("damping", "1", -0.5, 0.5, 0.05, "suspension.*.damping_scale"),
                 ("anti_roll_rate", "1", -0.5, 0.5, 0.05, "suspension.*.anti_roll_rate"),
                 ("roll_centre_height", "m", -0.1, 0.1, 0.01, "suspension.*.roll_centre_height"),
-                ("support_angle", "rad", -0.1, 0.1, 0.01, "suspension.*.*_support_angle"),
+                ("support_angle", "rad", -0.1, 0.1, 0.01, "suspension.*.brake_support_angle"),
                 ("friction_factor", "1", -0.3, 0.3, 0.03, "wheels.*.friction_factor"),
             )
         ),

@@ -97,7 +97,8 @@ SENSOR_EFFECTS: tuple[Effect, ...] = (
         group=Group.SENSOR,
         application=Application.INPUT,
         equation="p' = s p, all wheel brakes",
-        # between unit and brake a line and its valve make 1 % of the pressures that build up and fall in a stop
+        # on 16 healthy cars of a tuning seed it came out off by 1.2 % where 0.5 % are stated: the form of build-up and
+        # release in a stop makes 1 % of it
         parameters=(
             EffectParameter("wheels", "1", -0.5, 0.5, 0.005, 0.12, "sensors.brake_pressure.scale", form_std=0.01),
         ),

@@ -29,7 +29,7 @@ SUSPENSION_EFFECTS: tuple[Effect, ...] = (
     _suspension(
         name="anti_dive_anti_lift",
         equation="Fz past the spring = -+ Fx tan(eps + d): the links' pole moves, braking and driving alike",
-        parameters=_absolute("rad", 0.2, 0.01, 0.06, "*_support_angle"),
+        parameters=_absolute("rad", 0.2, 0.01, 0.06, "brake_support_angle"),
         signals=("longitudinal_acceleration", "pitch_rate", "pitch_angle"),
         confounded_with=("spring_rate",),
         separating_manoeuvre="ramp of braking with ride heights or pitch rate: pitch changes, load transfer does not",

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.evidence.checks import Consistency, consistency
 from model_diagnosis.evidence.lookalikes import LookAlikes
-from model_diagnosis.evidence.priors import common_columns
+from model_diagnosis.evidence.priors import with_commons
 from model_diagnosis.evidence.replay_model import ReplayModel
 from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Accepted, Selection
@@ -88,15 +88,6 @@ def causes(search: Search, selection: Selection, alike: Sequence[LookAlikes], ph
         found.append(CauseDetail(cause, accepted, other, agreement, held_out))
     # a cause that shares its probability with a look-alike is no less certain for that
     return sorted(found, key=lambda one: (-round(sum(one.cause.group_probabilities.values()), 2), -one.cause.evidence))
-
-
-def with_commons(theta: FloatArray, parameters: Sequence[EffectParameter]) -> FloatArray:
-    """Deviations (p,) with what moves both axles of the car counted to each one's."""
-    whole = theta.copy()
-    for own, common in common_columns(parameters).items():
-        both = theta[common]
-        whole[own] += both * (1.0 + theta[own]) if parameters[own].relative else both
-    return whole
 
 
 def _estimate(

@@ -19,7 +19,7 @@ FloatArray = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 
 CRUDE_STEPS = 5
-"""Steps of the fits that two forms are compared by."""
+"""Steps of the fits that two forms are compared by: the right one is a third of the other by then."""
 
 CONVERGING_SWEEPS = 3
 CONVERGED = 1.0

@@ -27,8 +27,8 @@ COST_TOLERANCE, ROUGH_TOLERANCE = 0.1, 0.5
 """A step that lowers the cost (twice the negative log posterior) by less, or promises less, ends a fit."""
 
 ROUGH = 20.0
-"""Cost whose forecast is not to be relied on, as kinks of the pressures make the residuals' slopes noisy. A fit that is
-only compared with others of its kind hardly gains by shortening steps that promise less."""
+"""Cost whose forecast is not to be relied on, as kinks of the pressures make the residuals' slopes noisy: of a tuning
+case's 1069 replays 591 lowered their fit by less than 3 together, after steps that had promised 5 to 15."""
 
 
 @dataclass(frozen=True)

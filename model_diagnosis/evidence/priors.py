@@ -21,7 +21,8 @@ def is_scattering(parameter: EffectParameter) -> bool:
 
 
 COMMON_SHARE = 0.5
-"""Share of a scatter's variance that both axles of a car have in common: one data sheet, one parts bin, one load."""
+"""Share of a scatter's variance that both axles of a car have in common. No vehicle file states it: half lies between
+none (each axle's parts drawn for themselves) and all (one parts bin), and is off by a half at most."""
 
 
 def common_columns(parameters: Sequence[EffectParameter]) -> dict[int, int]:
@@ -32,6 +33,15 @@ def common_columns(parameters: Sequence[EffectParameter]) -> dict[int, int]:
         for own, parameter in enumerate(parameters)
         if moved.common_path and parameter.vehicle_path and fnmatchcase(parameter.vehicle_path, moved.common_path)
     }
+
+
+def with_commons(theta: FloatArray, parameters: Sequence[EffectParameter]) -> FloatArray:
+    """The same car (p,) with what moves both axles counted to each one's own number, and none left in common."""
+    whole, commons = theta.copy(), common_columns(parameters)
+    for own, common in commons.items():
+        whole[own] += theta[common] * (1.0 + theta[own]) if parameters[own].relative else theta[common]
+    whole[list(commons.values())] = 0.0
+    return whole
 
 
 @dataclass(frozen=True)
@@ -56,15 +66,11 @@ class Priors:
     def of(cls, parameters: Sequence[EffectParameter], in_common: bool = True) -> "Priors":
         """Priors as catalogue and vehicle file state them; without ``in_common`` each axle is off for itself alone."""
         effect = np.array([parameter.effect_std for parameter in parameters])
-        nuisance = np.array([np.hypot(parameter.nuisance_std, parameter.form_std) for parameter in parameters])
+        nuisance = np.array([parameter.ordinary_std for parameter in parameters])
         commons = common_columns(parameters)
-        if in_common:
-            nuisance[list(commons)] *= np.sqrt(1.0 - COMMON_SHARE)
-            nuisance[list(commons.values())] = COMMON_SHARE**0.5 * np.array(
-                [parameters[common].nuisance_std for common in commons.values()]
-            )
-        else:
-            nuisance[list(commons.values())] = 0.0
+        share = COMMON_SHARE if in_common else 0.0
+        nuisance[list(commons)] *= np.sqrt(1.0 - share)
+        nuisance[sorted(set(commons.values()))] *= np.sqrt(share)
         return cls(
             centre=np.zeros(len(effect)),
             nuisance=np.maximum(nuisance, NUISANCE_FLOOR * effect),

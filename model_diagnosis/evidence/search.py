@@ -228,7 +228,8 @@ class Search:
     ) -> tuple[Fit, list[Quadratic], list[int]]:
         """Best fit over the starts by chords, then again with fresh columns unless it is far behind the best cost."""
         chosen = (*stage.accepted, candidate.hypothesis)
-        best = min((self.fit_set(chosen, stage.linearisation, start, True) for start in candidate.starts), key=_cost)
+        fits = (self.fit_set(chosen, stage.linearisation, start, is_rough=True) for start in candidate.starts)
+        best = min(fits, key=_cost)
         columns = self.related(stage.linearisation, candidate.hypothesis, stage.accepted)
         if best.cost > ahead + FAR_BEHIND:
             rows = self.problem.rows(best.theta)

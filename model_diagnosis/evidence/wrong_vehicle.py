@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from model_diagnosis.effects.effect import Application, Group
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.form_heat import own_direction
-from model_diagnosis.evidence.priors import is_scattering
+from model_diagnosis.evidence.priors import Priors, is_scattering, with_commons
 
 FloatArray = NDArray[np.float64]
 
@@ -89,7 +89,11 @@ def compare(
     columns = nominal_columns(problem)
     if not len(columns):
         return WrongVehicle(-np.inf, (), ())
-    widths = {factor: problem.priors.nuisance.copy() for factor in WIDENINGS}
+    # another car's numbers are counted from the file one by one, with nothing that two of them have in common
+    parameters = problem.replay.parameters
+    stated = Priors.of(parameters, in_common=False).nuisance
+    starts = [with_commons(start, parameters) for start in starts]
+    widths = {factor: stated.copy() for factor in WIDENINGS}
     for factor in WIDENINGS:
         widths[factor][columns] *= factor
     usual = widths[WIDENINGS[len(WIDENINGS) // 2]]
@@ -97,16 +101,14 @@ def compare(
     fresh = problem.linearise(near.theta)
     fits = [problem.fit(fresh, widths[factor], near.theta) for factor in WIDENINGS]
     directions = [
-        own_direction(
-            problem, fresh, fit.theta, columns, problem.priors.nuisance / problem.scale, widths[factor] / problem.scale
-        )
+        own_direction(problem, fresh, fit.theta, columns, stated / problem.scale, widths[factor] / problem.scale)
         for fit, factor in zip(fits, WIDENINGS, strict=True)
     ]
     evidences = [direction.tempered(nothing.cost - fit.cost) for direction, fit in zip(directions, fits, strict=True)]
     best = int(np.argmax(evidences))
     evidence = float(np.logaddexp.reduce(evidences) - np.log(len(WIDENINGS)))
     deviation = fits[best].theta - problem.priors.centre
-    off = deviation / problem.priors.nuisance
+    off = deviation / stated
     order = [
         int(column)
         for column in columns[np.argsort(-np.abs(off[columns]))]

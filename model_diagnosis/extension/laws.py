@@ -50,6 +50,13 @@ def _torque_per_pressure(vehicle: VehicleFile, axle: str) -> float:
     return float(2.0 * brake.pad_area * brake.pad_friction * brake.effective_radius)
 
 
+def _support_angles(vehicle: VehicleFile, deviation: Mapping[str, float]) -> Result:
+    """The links' pole has moved, about which both what brakes and what drives an axle supports it."""
+    numbers = vehicle.numbers("suspension")
+    paths = [(f"suspension.{axle}.{kind}_support_angle", axle) for axle in deviation for kind in ("brake", "drive")]
+    return {path: numbers[path] + deviation[axle] for path, axle in paths}, []
+
+
 def _temperature_fade(vehicle: VehicleFile, deviation: Mapping[str, float]) -> Result:
     factor = {"variable": "tyre_heating", "exponent": 2.0}
     text = "friction lost to the tread's heat"
@@ -262,6 +269,7 @@ def _pressure_lag(vehicle: VehicleFile, deviation: Mapping[str, float]) -> Resul
 
 
 LAWS: Mapping[str, Law] = {
+    "anti_dive_anti_lift": _support_angles,
     "tyre_peak_shape": peak_shape,
     "tyre_temperature_fade": _temperature_fade,
     "tyre_velocity_fade": _velocity_fade,

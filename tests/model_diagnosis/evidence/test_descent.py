@@ -113,8 +113,8 @@ def test_a_rough_descent_leaves_what_little_a_shorter_step_would_gain() -> None:
     promised = 0.25 * float(slope(np.zeros(6)) @ slope(np.zeros(6)))  # g'M^-1 g with half the slope
     thorough, of_thorough = _descent(cost, slope, known, taught=True)
     rough, of_rough = _descent(cost, slope, known, rough=2.0 * promised, taught=True)
-    eager, _ = _descent(cost, slope, known, rough=0.01 * promised, taught=True)
+    eager, _ = _descent(cost, slope, known, rough=0.01 * promised, taught=True)  # ends where a step promises less
     assert thorough.run(np.zeros(6), 12)[2] < 1e-4
-    assert eager.run(np.zeros(6), 12)[2] < 1.0
+    assert eager.run(np.zeros(6), 12)[2] < 0.01 * promised / 50.0  # a step promises fifty times what is to be gained
     assert rough.run(np.zeros(6), 12)[2] == cost(np.zeros(6))
     assert of_rough[0] < of_thorough[0]

@@ -47,6 +47,8 @@ def _whitened(replay: Replay, theta: np.ndarray) -> np.ndarray:
         ("caliper_lag", "time_constant", 0.015, pulsed_stop, 28.0, 0.1),
         ("spring_rate", "front", 0.12, pulsed_stop, 28.0, 0.15),
         ("anti_roll_bar", "front", 0.2, sine_steer, 25.0, 0.15),
+        ("anti_dive_anti_lift", "front", 0.05, pulsed_stop, 28.0, 0.15),
+        ("anti_dive_anti_lift", "rear", 0.15, coast_and_drive, 25.0, 0.15),
         ("roll_centre_height", "front", 0.05, sine_steer, 25.0, 0.15),
         ("mass_change", "factor", 0.1, coast_and_drive, 25.0, 0.1),
         ("cg_height_change", "factor", 0.1, pulsed_stop, 28.0, 0.15),
