@@ -19,7 +19,8 @@ FloatArray = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 
 CRUDE_STEPS = 5
-"""Steps of the fits that two forms are compared by: the right one is a third of the other by then."""
+"""Steps of the fits that two forms are compared by: in stops with ABS the right one costs a third to two
+fifths of the other by then."""
 
 CONVERGING_SWEEPS = 3
 CONVERGED = 1.0
