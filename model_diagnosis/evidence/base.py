@@ -143,7 +143,7 @@ def _saturated_from_two_starts(
     problem: Problem, chord: Linearisation, starts: tuple[FloatArray, FloatArray]
 ) -> tuple[Fit, Whitener]:
     """Saturated fit and its whitening from the start that leaves the smaller sum of log sigma."""
-    fits = [problem.fit(chord, problem.priors.saturated(), start, is_rough=True) for start in starts]
+    fits = [problem.fit(chord, problem.priors.saturated(), start) for start in starts]
     whiteners = [fit_whitener(problem.replay, problem.replay.residuals(fit.theta)) for fit in fits]
     best = int(np.argmin([whitener.log_sigma() for whitener in whiteners]))
     return fits[best], whiteners[best]
