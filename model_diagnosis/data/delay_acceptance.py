@@ -45,6 +45,9 @@ than it shifts them. Correlation that is less sure than that, over gaps, is give
 _AGREEMENT_SHARE = 0.2
 """The same as a share of the delay: no physics shifts phases by 30 ms and more, and the two ways weigh frequencies
 differently."""
+_SWEEPS = 4
+_CONVERGED = 20.0
+"""Gain of Σ N log σ below which no further step is taken: a tenth of the margin of a delay."""
 _INNOVATION_STD_S = 0.005
 """Standard deviation of the delay that innovations tell: half a sample, since only whole samples are tried."""
 
@@ -60,21 +63,21 @@ def accepted_delays(
     current = list(manoeuvres)
     model = replay(vehicle, current)
     chosen = [k for k, column in enumerate(model.columns) if column.partition(".")[0] in IMPOSTORS]
-    slopes = model.sensitivities(np.zeros(len(model.columns)), chosen)
-    score, samples = refitted_innovations(model, slopes, chosen)
+    known, score = refitted(model, chosen)
+    samples = int(sum(np.sum(weight > 0.0) for weight in model.weights()))
     waiting = sorted(delays, key=lambda one: -one.gain)
     while waiting:
         refused = []
         for late in waiting:
-            trials = _Trials(late, current, {0: score}, vehicle, replay, slopes, chosen)
+            trials = _Trials(late, current, {0: score}, vehicle, replay, known)
             best = _best_shift(trials.score, round(late.delay_s / SAMPLE_TIME_S))
             delay_s = SAMPLE_TIME_S * _vertex(trials.score, best)
             allowed_s = max(_AGREEMENT_S, 2.0 * late.std_s, _AGREEMENT_SHARE * abs(late.delay_s))
             agrees = abs(delay_s - late.delay_s) < allowed_s
             if agrees and score - trials.score(best) > _MARGIN * min(1.0, samples / _MARGIN_SAMPLES):
-                known = _combined(late, delay_s)
-                shift = round(known.delay_s / SAMPLE_TIME_S)
-                accepted.append(known)
+                told = _combined(late, delay_s)
+                shift = round(told.delay_s / SAMPLE_TIME_S)
+                accepted.append(told)
                 current, score = trials.manoeuvres(shift), trials.score(shift)
             else:
                 refused.append(late)
@@ -100,8 +103,7 @@ class _Trials:
     tried: dict[int, float]
     vehicle: VehicleFile
     replay: ReplayFactory
-    slopes: Sequence[FloatArray]
-    chosen: Sequence[int]
+    known: "Refit"
 
     def manoeuvres(self, shift: int) -> list[Manoeuvre]:
         return [shifted(m, self.late.channels, shift * SAMPLE_TIME_S) for m in self.base]
@@ -109,7 +111,7 @@ class _Trials:
     def score(self, shift: int) -> float:
         if shift not in self.tried:
             model = self.replay(self.vehicle, self.manoeuvres(shift))
-            self.tried[shift] = refitted_innovations(model, self.slopes, self.chosen)[0]
+            self.tried[shift] = refitted_innovations(model, self.known)[1]
         return self.tried[shift]
 
 
@@ -131,30 +133,64 @@ def _vertex(score_of: Callable[[int], float], best: int) -> float:
     return best + (0.5 * (before - after) / bend if bend > 0.0 else 0.0)
 
 
-def refitted_innovations(model: ReplayModel, slopes: Sequence[FloatArray], chosen: Sequence[int]) -> tuple[float, int]:
-    """Σ N log σ of the innovations after one damped step of the chosen columns, and the number of samples.
+@dataclass(frozen=True)
+class Refit:
+    """Where the chosen columns stand after some steps, and what they change there.
 
-    ``slopes`` (n, c, len(chosen)) may come from slightly shifted data: a chord step.
+    Attributes
+    ----------
+    theta : (p,) deviations of all columns
+    slopes : (n, c, len(chosen)) sensitivities of the chosen columns, by manoeuvre
+    """
+
+    theta: FloatArray
+    slopes: Sequence[FloatArray]
+    chosen: Sequence[int]
+
+
+def refitted(model: ReplayModel, chosen: Sequence[int]) -> tuple[Refit, float]:
+    """The chosen columns after damped Gauss-Newton steps, as long as they shrink the innovations, and Σ N log σ there.
+
+    A friction that is off by a third bends the phases of a stop in ways that one step from the vehicle file leaves.
     """
     theta = np.zeros(len(model.columns))
-    residuals, weights = model.residuals(theta), model.weights()
+    score = _score(model.residuals(theta), model.weights())
+    for _ in range(_SWEEPS):
+        refit = Refit(theta, model.sensitivities(theta, chosen), chosen)
+        theta, better = refitted_innovations(model, refit)
+        gained, score = score - better, min(score, better)
+        if gained < _CONVERGED:
+            break
+    return refit, score
+
+
+def refitted_innovations(model: ReplayModel, refit: Refit) -> tuple[FloatArray, float]:
+    """Deviations (p,) after one more damped step of the chosen columns, and Σ N log σ of the innovations there.
+
+    The slopes may come from slightly shifted data: a chord step.
+    """
+    chosen, weights = list(refit.chosen), model.weights()
+    residuals = model.residuals(refit.theta)
     stds = [_spread(r, w) for r, w in zip(residuals, weights, strict=True)]
-    best = _score(residuals, weights)
-    widths = np.array([max(model.parameters[k].nuisance_std, model.parameters[k].effect_std) for k in chosen])
-    normal, gradient = np.diag(widths**-2.0), np.zeros(len(chosen))
-    for residual, weight, slope, std in zip(residuals, weights, slopes, stds, strict=True):
+    best, taken = _score(residuals, weights), refit.theta
+    precision = np.array([max(model.parameters[k].nuisance_std, model.parameters[k].effect_std) for k in chosen]) ** -2.0
+    normal, gradient = np.diag(precision), -precision * refit.theta[chosen]
+    for residual, weight, slope, std in zip(residuals, weights, refit.slopes, stds, strict=True):
         scaled = (slope * (weight / std)[:, :, None]).reshape(-1, len(chosen))
         normal = normal + scaled.T @ scaled
         gradient = gradient + scaled.T @ (residual * weight / std).ravel()
     step = np.linalg.solve(normal, gradient)
     for share in (1.0, 0.5):
-        theta[list(chosen)] = np.clip(
-            share * step,
+        theta = refit.theta.copy()
+        theta[chosen] = np.clip(
+            theta[chosen] + share * step,
             [model.parameters[k].low for k in chosen],
             [model.parameters[k].high for k in chosen],
         )
-        best = min(best, _score(model.residuals(theta), weights))
-    return best, int(sum(np.sum(w > 0.0) for w in weights))
+        score = _score(model.residuals(theta), weights)
+        if score < best:
+            best, taken = score, theta
+    return taken, best
 
 
 def _spread(residual: FloatArray, weight: FloatArray) -> FloatArray:

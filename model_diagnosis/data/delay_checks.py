@@ -13,8 +13,8 @@ import numpy as np
 
 from model_diagnosis.data.faults import joined
 from model_diagnosis.data.geometry import Geometry
-from model_diagnosis.data.lags import COARSE_BAND_HZ, FINE_BAND_HZ, find_lag
-from model_diagnosis.data.samples import FloatArray
+from model_diagnosis.data.lags import COARSE_BAND_HZ, FINE_BAND_HZ, Lag, find_lag
+from model_diagnosis.data.samples import BoolArray, FloatArray
 from model_diagnosis.data.twins import Twin, members, reached, slope, twins_of
 from model_diagnosis.data.unit_checks import CORRELATED
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
@@ -23,6 +23,8 @@ from model_diagnosis.result import DataFault
 INERTIAL = ("longitudinal_acceleration", "lateral_acceleration", "yaw_rate")
 _INPUTS = ("brake_pressure", "steering", "drive_torque")
 _ENOUGH = 0.6
+_SLIDING_SHARE = 3
+"""One manoeuvre in so many may be left out of a twin that does not hold in it."""
 _REPLAYED_TOLERANCE_S = 0.006
 _LAG_UNCERTAINTY = 0.25
 _FOLLOWS = 0.7
@@ -121,19 +123,50 @@ def _course(manoeuvre: Manoeuvre, names: Sequence[str]) -> FloatArray:
 
 
 def _lag_relation(twin: Twin, simulated: Twin | None) -> LagRelation | None:
-    sides = twin.left, twin.right, twin.valid
-    coarse = find_lag(*sides, widest_lag_s=0.4, sign=1)
-    if coarse.correlation < CORRELATED:
-        coarse = find_lag(*sides, sign=1)
+    coarse = _coarse_lag(twin)
+    if coarse.correlation < _ENOUGH and (regular := _without_slides(twin)) is not None:
+        kept, twin = regular
+        simulated = None if simulated is None else _of_manoeuvres(simulated, kept)
+        coarse = _coarse_lag(twin)
     if coarse.correlation < _ENOUGH:
         return None
-    fine = find_lag(*sides, around_s=coarse.lag_s, widest_lag_s=0.15, band_hz=FINE_BAND_HZ, sign=1)
+    fine = find_lag(*_sides(twin), around_s=coarse.lag_s, widest_lag_s=0.15, band_hz=FINE_BAND_HZ, sign=1)
     estimate = fine if fine.correlation > _ENOUGH else coarse
     usual, tolerance = twin.kind.usual_lag_s, twin.kind.lag_tolerance_s
     if simulated is not None and (own := _replayed_lag(twin, simulated, fine=estimate is fine)):
         usual, tolerance = own
     spread = float(np.sqrt(estimate.std_s**2 + tolerance**2 + (0.1 * SAMPLE_TIME_S) ** 2))
     return LagRelation(twin.kind.late, twin.kind.early, estimate.lag_s - usual, spread)
+
+
+def _coarse_lag(twin: Twin) -> Lag:
+    near = find_lag(*_sides(twin), widest_lag_s=0.4, sign=1)
+    return near if near.correlation >= CORRELATED else find_lag(*_sides(twin), sign=1)
+
+
+def _without_slides(twin: Twin) -> tuple[list[int], Twin] | None:
+    """The manoeuvres in which the twin holds and the twin of them, where leaving out a third at most makes it hold.
+
+    In a car that spins or stands on locked wheels no channel moves as its twin does, and such a motion is the largest.
+    """
+    kept = list(range(len(twin.left)))
+    for _ in range(len(twin.left) // _SLIDING_SHARE):
+        fewer = [[one for one in kept if one != left_out] for left_out in kept]
+        lags = [find_lag(*_sides(_of_manoeuvres(twin, some)), widest_lag_s=0.4, sign=1) for some in fewer]
+        best = int(np.argmax([lag.correlation for lag in lags]))
+        kept = fewer[best]
+        if lags[best].correlation >= CORRELATED:
+            return kept, _of_manoeuvres(twin, kept)
+    return None
+
+
+def _of_manoeuvres(twin: Twin, kept: Sequence[int]) -> Twin:
+    left, right, valid = ([of[m] for m in kept] for of in _sides(twin))
+    return replace(twin, left=left, right=right, valid=valid)
+
+
+def _sides(twin: Twin) -> tuple[Sequence[FloatArray], Sequence[FloatArray], Sequence[BoolArray]]:
+    return twin.left, twin.right, twin.valid
 
 
 def _replayed_lag(twin: Twin, simulated: Twin, *, fine: bool) -> tuple[float, float] | None:

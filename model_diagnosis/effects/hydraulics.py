@@ -32,8 +32,24 @@ def _delay(valve: str) -> tuple[EffectParameter, ...]:
     """
     path = f"hydraulics.{valve}_delay"
     return (
-        EffectParameter("delay", "s", -0.02, 0.03, 3e-3, 0.01, f"{path}_*", relative=False, never_negative=True),
-        *(EffectParameter(wheel, "s", -0.02, 0.03, 5e-4, 0.01, f"{path}_{wheel}", relative=False) for wheel in WHEELS),
+        _dead_time("delay", 3e-3, f"{path}_*", never_negative=True),
+        *(_dead_time(wheel, 5e-4, f"{path}_{wheel}") for wheel in WHEELS),
+    )
+
+
+def _dead_time(name: str, scatter_s: float, path: str, *, never_negative: bool = False) -> EffectParameter:
+    """Pulses are told at 10 ms apart: valleys of the cost are half as wide, and two trial values lie in each."""
+    return EffectParameter(
+        name,
+        "s",
+        -0.02,
+        0.03,
+        scatter_s,
+        0.01,
+        path,
+        relative=False,
+        never_negative=never_negative,
+        trial_step=2.5e-3,
     )
 
 

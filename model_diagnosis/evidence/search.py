@@ -13,11 +13,11 @@ from model_diagnosis.evidence.bounded import lowest_within, ways_left
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.hypotheses import Hypothesis
 from model_diagnosis.evidence.quadratic import Quadratic, effect_evidence, total, widening
+from model_diagnosis.evidence.trial_values import trial_values
 
 FloatArray = NDArray[np.float64]
 
 FROM_BASE, FROM_SATURATED, FROM_GRID = 3, 2, 3
-GRID = (-1.5, -0.75, 0.75, 1.5)
 CORRELATED_NUISANCES = 12
 EQUAL_DIGITS = 3
 """Decimals to which log evidences are compared."""
@@ -152,7 +152,7 @@ class Search:
         linear = stage.linear if saturated is None else np.maximum(stage.linear, linear)
         count = EFFECTS_ON_GRID if stage.accepted else EFFECTS_ON_GRID_FIRST
         on_grid = {self.hypotheses[number].effect for number in self._top(linear, open_ones, count)}
-        near = [number for number in open_ones if self.hypotheses[number].effect in on_grid]
+        near = [n for n in open_ones if self.hypotheses[n].effect in on_grid or self._acts_in_pulses(self.hypotheses[n])]
         for number, start in self._grid(stage, near):
             starts.setdefault(number, []).append(start)
         return [Candidate(self.hypotheses[number], tuple(points)) for number, points in starts.items()]
@@ -339,11 +339,9 @@ class Search:
         for number in singles:
             column = self.hypotheses[number].columns[0]
             widths = self.problem.priors.widths(present_columns((*stage.accepted, self.hypotheses[number])))
-            for multiple in GRID:
+            for value in trial_values(self.problem, stage.nothing_more.theta, column, widths):
                 theta = stage.nothing_more.theta.copy()
-                theta[column] = self.problem.priors.centre[column] + multiple * self.problem.scale[column]
-                if not self.problem.priors.low[column] <= theta[column] <= self.problem.priors.high[column]:
-                    continue
+                theta[column] = value
                 cost, start = self._grid_point(stage, theta, widths, column)
                 if cost < found.get(number, (np.inf,))[0]:
                     found[number] = (cost, start)
@@ -352,6 +350,10 @@ class Search:
             expected[number] = -0.5 * (cost - stage.nothing_more.cost)
         chosen = self._worth(expected, self._top(expected, singles, FROM_GRID))
         return [(number, found[number][1]) for number in chosen]
+
+    def _acts_in_pulses(self, hypothesis: Hypothesis) -> bool:
+        """True where sensitivities at one value say nothing of a value some way off."""
+        return any(self.problem.replay.parameters[column].trial_step > 0.0 for column in hypothesis.columns)
 
     def _worth(self, evidence: FloatArray, numbers: Sequence[int]) -> list[int]:
         """Those worth a refit; the first always."""
