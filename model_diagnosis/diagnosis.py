@@ -207,7 +207,7 @@ class _Pipeline:
         chords, starts = (base.at_nothing, base.at_saturated), (selection.fit.theta, base.saturated.theta)
         wrong = compare(base.problem, selection.nothing, chords, starts)
         found = unknown.evidence if unknown else sum(one.evidence for one in selection.accepted)
-        is_wrong = wrong.beats(found)
+        is_wrong = wrong.beats(found, 0.0 if unknown else selection.left)
         details = [] if is_wrong or unknown else self._causes(search, selection)
         shown = excitation(base.problem, base.at_nothing.information, needed)
         self.clock.begin("plan")

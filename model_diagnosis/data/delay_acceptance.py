@@ -173,7 +173,8 @@ def refitted_innovations(model: ReplayModel, refit: Refit) -> tuple[FloatArray, 
     residuals = model.residuals(refit.theta)
     stds = [_spread(r, w) for r, w in zip(residuals, weights, strict=True)]
     best, taken = _score(residuals, weights), refit.theta
-    precision = np.array([max(model.parameters[k].nuisance_std, model.parameters[k].effect_std) for k in chosen]) ** -2.0
+    widths = np.array([max(model.parameters[k].nuisance_std, model.parameters[k].effect_std) for k in chosen])
+    precision = widths**-2.0
     normal, gradient = np.diag(precision), -precision * refit.theta[chosen]
     for residual, weight, slope, std in zip(residuals, weights, refit.slopes, stds, strict=True):
         scaled = (slope * (weight / std)[:, :, None]).reshape(-1, len(chosen))

@@ -161,8 +161,12 @@ def _without_slides(twin: Twin) -> tuple[list[int], Twin] | None:
 
 
 def _of_manoeuvres(twin: Twin, kept: Sequence[int]) -> Twin:
-    left, right, valid = ([of[m] for m in kept] for of in _sides(twin))
-    return replace(twin, left=left, right=right, valid=valid)
+    return replace(
+        twin,
+        left=[twin.left[m] for m in kept],
+        right=[twin.right[m] for m in kept],
+        valid=[twin.valid[m] for m in kept],
+    )
 
 
 def _sides(twin: Twin) -> tuple[Sequence[FloatArray], Sequence[FloatArray], Sequence[BoolArray]]:

@@ -68,11 +68,20 @@ def look_alikes(
         evidence[effect] = _refitted(search, selection, quadratic, rest, effect, accepted)
         if effect in forced or accepted.evidence - evidence[effect] < SEPARATION_NEEDED:
             group.append(effect)
+            evidence[effect] = _as_far_as_told(evidence[effect], accepted.evidence, separations.get(effect, np.inf))
     for effect in _rivals(evidence, accepted, {*group, *forced, *close[:REFITTED]}):
         evidence[effect] = _refitted(search, selection, quadratic, rest, effect, accepted)
     probability, nothing = probabilities(evidence)
     alike = _correlations(search, quadratic, rest, own, group[1:])
     return LookAlikes(tuple(group), evidence, probability, nothing, separations, alike)
+
+
+def _as_far_as_told(evidence: float, of_accepted: float, separation_expected: float) -> float:
+    """Evidence of a look-alike, no farther from the accepted one's than this data tells the two apart at that size.
+
+    What goes beyond is the form's error: two laws that differ by nothing fit it differently well by chance.
+    """
+    return float(np.clip(evidence, of_accepted - separation_expected, of_accepted + separation_expected))
 
 
 def _rivals(evidence: FloatArray, accepted: Accepted, known: Collection[int]) -> list[int]:

@@ -152,7 +152,8 @@ class Search:
         linear = stage.linear if saturated is None else np.maximum(stage.linear, linear)
         count = EFFECTS_ON_GRID if stage.accepted else EFFECTS_ON_GRID_FIRST
         on_grid = {self.hypotheses[number].effect for number in self._top(linear, open_ones, count)}
-        near = [n for n in open_ones if self.hypotheses[n].effect in on_grid or self._acts_in_pulses(self.hypotheses[n])]
+        tried = [self.hypotheses[n].effect in on_grid or self._acts_in_pulses(self.hypotheses[n]) for n in open_ones]
+        near = [number for number, one in zip(open_ones, tried, strict=True) if one]
         for number, start in self._grid(stage, near):
             starts.setdefault(number, []).append(start)
         return [Candidate(self.hypotheses[number], tuple(points)) for number, points in starts.items()]

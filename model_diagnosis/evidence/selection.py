@@ -55,7 +55,7 @@ class Selection:
     fit, linearisation : at the answer
     nothing : "nothing is wrong", after it was restarted from every winner
     stages : linear evidence and refits of every step
-    left : largest evidence of what was not accepted any more
+    left : evidence of one more that would have been accepted if an answer held more than so many, 0 for none
     decisions : what was accepted, dropped, swapped or refused, in words
     """
 
@@ -101,7 +101,7 @@ class Selector:
         chosen: list[Hypothesis] = []
         fit, linearisation = nothing, at_nothing
         stages: list[Stage] = []
-        left, needed = -np.inf, self.needed
+        left, needed = 0.0, self.needed
         for step in range(most + 1):
             self.tell(f"effect {step + 1}", step / (most + 1))
             stage = self.search.stage(chosen, fit, linearisation)
@@ -111,10 +111,12 @@ class Selector:
             if step == 0:
                 nothing = stage.nothing_more
             fit, linearisation = stage.nothing_more, stage.linearisation
-            left = stage.best.evidence if stage.best else -np.inf
-            if found is None or step == most:
+            if found is None:
                 break
             best, linearisation = found
+            if step == most:
+                left, linearisation = best.evidence, stage.linearisation
+                break
             fit = best.fit
             needed = max(needed, LATER_SHARE * best.evidence) if step == 0 else needed
             chosen = [*chosen, best.hypothesis]

@@ -54,9 +54,13 @@ class WrongVehicle:
     numbers: tuple[int, ...] = ()
     std: tuple[float, ...] = ()
 
-    def beats(self, selected_evidence: float) -> bool:
-        """True if the data speaks for another car rather than for the selected effects."""
-        return self.evidence > selected_evidence + MARGIN and len(self.far_off) >= PARAMETERS_FAR_OFF
+    def beats(self, selected_evidence: float, left: float = 0.0) -> bool:
+        """True if the data speaks for another car rather than for the selected effects.
+
+        ``left`` is the evidence of one more effect where an answer holds no more of them: with it another car need
+        not beat those selected, but for what they leave; beside numbers chosen one by one it always loses.
+        """
+        return self.evidence > selected_evidence + MARGIN - left and len(self.far_off) >= PARAMETERS_FAR_OFF
 
 
 def nominal_columns(problem: Problem) -> NDArray[np.int64]:

@@ -54,10 +54,11 @@ def _fill_gap(p: Record, s: Record, wheel: int, before: float, gap: float) -> fl
 
 
 @njit(cache=True, nogil=True)
-def _throttle_return(s: Record, wheel: int, before: float, supply: float, kept: float) -> None:
-    """Keep the share ``kept`` of what a wheel's pressure has beyond a supply that it returns to."""
-    slowest = supply + kept * (before - supply)
-    if before > supply and s.pressure[wheel] < slowest:
+def _throttle_return(p: Record, s: Record, wheel: int, before: float, supply: float, kept: float) -> None:
+    """Keep the share ``kept`` of what a wheel's pressure has beyond the line that it returns to."""
+    line = line_pressure(p, wheel, supply)
+    slowest = line + kept * (before - line)
+    if before > line and s.pressure[wheel] < slowest:
         _set_pressure(s, wheel, slowest)
 
 
@@ -139,13 +140,13 @@ def hydraulic_run(
                 if return_kept > 0.0:
                     energised = outlet[nearest]
                     if energised[0] < 0.5:
-                        _throttle_return(s, 0, before_0, supply, return_kept)
+                        _throttle_return(p, s, 0, before_0, supply, return_kept)
                     if energised[1] < 0.5:
-                        _throttle_return(s, 1, before_1, supply, return_kept)
+                        _throttle_return(p, s, 1, before_1, supply, return_kept)
                     if energised[2] < 0.5:
-                        _throttle_return(s, 2, before_2, supply, return_kept)
+                        _throttle_return(p, s, 2, before_2, supply, return_kept)
                     if energised[3] < 0.5:
-                        _throttle_return(s, 3, before_3, supply, return_kept)
+                        _throttle_return(p, s, 3, before_3, supply, return_kept)
                 if gap_volume > 0.0:
                     gap[0] = _fill_gap(p, s, 0, before_0, gap[0])
                     gap[1] = _fill_gap(p, s, 1, before_1, gap[1])

@@ -50,3 +50,14 @@ def test_physics_that_shifts_phases_is_no_delay(
     vehicle, manoeuvres = hidden_logs(tmp_path, seed, NAMES, effect)
     faults, _ = check_data(manoeuvres, vehicle, Replay)
     assert [one.kind for one in faults if one.unit == "s"] == []
+
+
+def test_low_friction_hides_no_late_logger_and_invents_no_late_message(tmp_path: Path) -> None:
+    """A car that slides for seconds moves none of its channels as its twins do, but in four of six manoeuvres."""
+    everything = (*NAMES, "coast", "abs_stop")
+    fault = late("clock_offset", ("speed",), 0.12)
+    vehicle, manoeuvres = hidden_logs(tmp_path, 211, everything, ("tyre_friction", -0.34, 0), fault)
+    faults, _ = check_data(manoeuvres, vehicle, Replay)
+    (found,) = [one for one in faults if one.unit == "s"]
+    assert (found.kind, found.channel) == ("clock_offset", "speed")
+    assert found.value == pytest.approx(fault.value, abs=0.01)

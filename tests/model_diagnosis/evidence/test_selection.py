@@ -1,5 +1,8 @@
 """The whole search on a car whose truth is known: what is hidden is named, what is not is not."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 from linear_car import LinearCar, effect
@@ -8,13 +11,14 @@ from scipy.stats import binom
 
 from model_diagnosis.evidence.answer import causes
 from model_diagnosis.evidence.base import fit_base
+from model_diagnosis.evidence.fitting import Fit
 from model_diagnosis.evidence.hypotheses import hypotheses_of
 from model_diagnosis.evidence.lookalikes import look_alikes
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.search import Search, ratios
 from model_diagnosis.evidence.selection import Selection, Selector
 from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
-from model_diagnosis.evidence.wrong_vehicle import compare
+from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, compare
 
 EFFECTS = [
     *(effect(f"e{number}") for number in range(10)),
@@ -109,6 +113,23 @@ def test_exact_look_alikes_are_one_group_and_share_the_probability() -> None:
     assert alike[0].probability[[3, 4]].min() > 0.1
 
 
+def test_look_alikes_whose_form_is_wrong_share_the_probability_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where no size tells two laws apart, what one of them fits better is the form's error and no evidence."""
+    car = LinearCar(EFFECTS, _truth(8, c3=0.25), 8, colour=0.5, same=[(3, 4, 0.8)])
+    search, selection = _search(car)
+    (accepted,) = selection.accepted
+    fitted = search.fit_set
+
+    def worse_by_its_form(*given: Any, **named: Any) -> Fit:
+        fit = fitted(*given, **named)
+        return replace(fit, cost=fit.cost + 40.0)
+
+    monkeypatch.setattr(search, "fit_set", worse_by_its_form)
+    alike = look_alikes(search, selection, accepted, forced=(4,))
+    assert abs(alike.evidence[4] - alike.evidence[3]) <= alike.separations[4] + 1e-6
+    assert alike.probability[[3, 4]].min() > 0.1
+
+
 def test_a_rejected_effect_far_from_the_winner_is_not_in_its_group() -> None:
     car = LinearCar(EFFECTS, _truth(9, c3=0.25), 9, colour=0.5)
     search, selection = _search(car)
@@ -141,6 +162,22 @@ def test_several_parameters_far_off_are_another_car() -> None:
     wrong = compare(search.problem, selection.nothing, [selection.linearisation], [selection.fit.theta])
     assert wrong.beats(sum(one.evidence for one in selection.accepted))
     assert len(wrong.far_off) >= 6
+
+
+@pytest.mark.parametrize(("far_off", "more"), [(5, True), (1, False)])
+def test_causes_beyond_what_an_answer_holds_are_left(far_off: int, more: bool) -> None:
+    truth = _truth(12)
+    truth[:far_off] = [0.3, -0.25, 0.28, -0.3, 0.26][:far_off]
+    _, selection = _search(LinearCar(EFFECTS, truth, 12, colour=0.5))
+    assert len(selection.accepted) == min(far_off, 3)
+    assert (selection.left > 5.0) is more
+
+
+def test_another_car_need_not_beat_what_the_causes_leave() -> None:
+    car = WrongVehicle(280.0, (0, 1, 2, 3), (18.0, 13.0, 12.0, 8.0))
+    assert not car.beats(281.0)
+    assert car.beats(281.0, left=25.0)
+    assert not replace(car, far_off=(0, 1)).beats(281.0, left=25.0)
 
 
 def test_one_effect_is_not_another_car() -> None:

@@ -254,3 +254,22 @@ def test_booster_that_runs_out_of_vacuum_shows_in_the_master_pressure(car: Vehic
     nominal = model.physical("booster_saturation.knee", 0.0)[2]
     theta[model.columns.index("booster_saturation.knee")] = knee - nominal
     assert _error_bar(model, theta, "master_pressure") < 1e-9
+
+
+@pytest.mark.parametrize("failed", [0.0, 0.02, 0.3])
+def test_a_throttled_return_stays_above_its_own_line_by_rate_times_lag(
+    car: VehicleFile, log: Manoeuvre, failed: float
+) -> None:
+    """tau dp/dt = p_line - p under a line that falls by r: p = p_line + r tau once the transient is over."""
+    master = np.maximum(8e6 - 2e6 * log.time, 1e6)
+    shape = len(master), 4
+    rest = {f"valve_{kind}_{wheel}": np.zeros(len(master)) for kind in ("inlet", "outlet") for wheel in WHEELS}
+    still = replace(log, channels=dict(log.channels) | rest | {"master_pressure": master})
+    model = Replay(car, [still])
+    hydraulics = replace(model.prepared[0].hydraulics, master=master, behind_master=0.0)
+    deviations = {"form_return.lag": 0.02, "circuit_failure.first": failed, "circuit_failure.second": failed}
+    pressures = model.pressures.unit.wheels(deviations, hydraulics, np.zeros(shape), np.zeros(shape), gain=0.0)
+    settled = (log.time > 1.0) & (log.time < 3.0)
+    rate = 2e6 * (1.0 - failed)
+    above = pressures[settled] - (1.0 - failed) * master[settled, None]
+    assert above == pytest.approx(np.full_like(above, rate * 0.02), rel=0.01)
