@@ -124,7 +124,9 @@ HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
         equation="p_circuit <- p_circuit (1 - d)",
         # a unit that follows its supply by steps of 1 bar rests 0.3 bar (1 bar over root 12) off it: 1 % of 30 bar
         parameters=tuple(
-            EffectParameter(number, "1", 0.0, 1.0, 0.01, 0.4, f"hydraulics.{number}_circuit_failure", relative=False)
+            EffectParameter(
+                number, "1", 0.0, 1.0, 0.0, 0.4, f"hydraulics.{number}_circuit_failure", relative=False, form_std=0.01
+            )
             for number in ("first", "second")
         ),
         confounded_with=("wheel_brake_weak",),

@@ -1,7 +1,7 @@
 """Pressures as the vehicle's booster and hydraulic unit make them from the pedal, the valves and the pump."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cache, lru_cache
 
@@ -77,10 +77,22 @@ _PATHS: Mapping[str, tuple[str, ...]] = {
 """Numbers of the vehicle that each of them changes."""
 
 
+_OF_STEPS = ("circuit_failure.first", "circuit_failure.second")
+"""Columns in whose direction a unit that moves by steps is off by its form, and one that flows is not."""
+
+
 @cache
 def acts_on_pressures(column: str) -> bool:
     """True for a column that changes the pressures of the wheel brakes or their sensors."""
     return column in HYDRAULIC_COLUMNS or column.startswith("pressure_sensor_")
+
+
+def without_steps(parameters: Sequence[EffectParameter], columns: Sequence[str]) -> tuple[EffectParameter, ...]:
+    """The parameters of these columns for a unit that flows."""
+    return tuple(
+        replace(one, form_std=0.0) if column in _OF_STEPS else one
+        for one, column in zip(parameters, columns, strict=True)
+    )
 
 
 def acts_by_valves(column: str) -> bool:

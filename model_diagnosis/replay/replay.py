@@ -23,6 +23,7 @@ from model_diagnosis.replay.hydraulic import (
     acts_by_valves,
     acts_on_pressures,
     reported_pressure,
+    without_steps,
 )
 from model_diagnosis.replay.inputs import read_inputs, with_pressures
 from model_diagnosis.replay.nominal import nominal_car
@@ -110,6 +111,8 @@ class Replay(ReplayBase):
         self.prepared: Sequence[Prepared] = self.pressures.settled(
             [prepare(one, vehicle, nominal, m) for m, one in enumerate(self.manoeuvres)]
         )
+        if self.pressures.unit.flows:
+            self.parameters = without_steps(self.parameters, self.columns)
         # fits change what acts on the pressures and what does not in turn
         self._known = [deque[Parts](maxlen=_PARTS_KEPT) for _ in self.prepared]
 

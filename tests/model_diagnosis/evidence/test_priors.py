@@ -65,4 +65,4 @@ def test_what_is_common_counts_to_each_axle() -> None:
 
 def test_a_form_that_is_not_sure_adds_to_the_scatter() -> None:
     scale = COLUMNS.index("pressure_sensor_scale.wheels")
-    assert Priors.of(PARAMETERS).nuisance[scale] == pytest.approx(np.hypot(0.005, 0.01), rel=1e-12)
+    assert Priors.of(PARAMETERS).nuisance[scale] == pytest.approx(np.hypot(0.005, 0.005), rel=1e-12)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from plant_log import hydraulic_log
 
+from hydraulics import HydraulicUnit
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay import Replay
 from model_diagnosis.replay.hydraulic import acts_by_valves
@@ -254,6 +255,31 @@ def test_booster_that_runs_out_of_vacuum_shows_in_the_master_pressure(car: Vehic
     nominal = model.physical("booster_saturation.knee", 0.0)[2]
     theta[model.columns.index("booster_saturation.knee")] = knee - nominal
     assert _error_bar(model, theta, "master_pressure") < 1e-9
+
+
+def _followed(car: VehicleFile, log: Manoeuvre, threshold_pa: float) -> Manoeuvre:
+    """The log with a driver who breathes on the pedal, valves at rest, and what the car's unit makes of that."""
+    other = car.model_copy(deep=True)
+    set_parameter(other, "hydraulics.pressure_change_threshold", threshold_pa)
+    unit, out, rest = HydraulicUnit(other.numbers()), np.zeros(18), np.zeros(4)
+    master = 3e6 + 6e5 * np.sin(2.0 * np.pi * 0.5 * np.arange(10 * len(log.time)) * 1e-3)
+    pressures = np.empty((len(master), 4))
+    for tick, pressure in enumerate(master):
+        unit.tick(pressure, rest, rest, 0.0, out, np.full(4, 50.0))
+        pressures[tick] = unit.wheel_pressure_pa
+    channels = {f"valve_{kind}_{wheel}": np.zeros(len(log.time)) for kind in ("inlet", "outlet") for wheel in WHEELS}
+    channels |= {f"brake_pressure_{wheel}": pressures[::10, i] for i, wheel in enumerate(WHEELS)}
+    return replace(log, channels=dict(log.channels) | channels | {"master_pressure": master[::10]})
+
+
+@pytest.mark.parametrize(("threshold_pa", "form_std"), [(1e5, 0.01), (0.0, 0.0)])
+def test_only_a_unit_that_moves_by_steps_rests_off_its_line(
+    car: VehicleFile, log: Manoeuvre, threshold_pa: float, form_std: float
+) -> None:
+    """Steps of 1 bar leave 1 bar over root 12 of some 30; what of the two a log shows, the replay finds by itself."""
+    model = Replay(car, [_followed(car, log, threshold_pa)])
+    failures = [model.columns.index(f"circuit_failure.{number}") for number in ("first", "second")]
+    assert [model.parameters[column].ordinary_std for column in failures] == [form_std, form_std]
 
 
 @pytest.mark.parametrize("failed", [0.0, 0.02, 0.3])
