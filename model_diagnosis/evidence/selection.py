@@ -21,6 +21,8 @@ FloatArray = NDArray[np.float64]
 
 MAXIMUM_EFFECTS = 3
 SWAPS_TRIED = 2
+SWAP_GAIN = 1.0
+"""Log evidence that a swap has to gain: less is what two fits of the same set differ by."""
 
 LATER_SHARE = 0.02
 """Share of the first cause's evidence that a further one needs: the law of an effect is right to a tenth or so of its
@@ -216,7 +218,7 @@ class Selector:
                     key=lambda one: one.cost,
                 )
                 gained = self.evidence_of(trial, swapped, linearisation) - self.evidence_of(chosen, fit, linearisation)
-                if gained > 0.0:
+                if gained > SWAP_GAIN:
                     self.decisions.append(
                         f"swapped {self.name(hypothesis)} for {self.name(candidate.hypothesis)}: {gained:.1f} better"
                     )
