@@ -45,9 +45,10 @@ than it shifts them. Correlation that is less sure than that, over gaps, is give
 _AGREEMENT_SHARE = 0.2
 """The same as a share of the delay: no physics shifts phases by 30 ms and more, and the two ways weigh frequencies
 differently."""
-_SWEEPS = 4
-_CONVERGED = 20.0
-"""Gain of Σ N log σ below which no further step is taken: a tenth of the margin of a delay."""
+_MOST_STEPS = 10
+"""Of the refit before the shifts; with a friction that is off by a third it takes eight."""
+_CONVERGED_SHARE = 0.1
+"""Share of a delay's margin that a further step of the refit has to gain."""
 _INNOVATION_STD_S = 0.005
 """Standard deviation of the delay that innovations tell: half a sample, since only whole samples are tried."""
 
@@ -63,18 +64,19 @@ def accepted_delays(
     current = list(manoeuvres)
     model = replay(vehicle, current)
     chosen = [k for k, column in enumerate(model.columns) if column.partition(".")[0] in IMPOSTORS]
-    known, score = refitted(model, chosen)
     samples = int(sum(np.sum(weight > 0.0) for weight in model.weights()))
+    margin = _MARGIN * min(1.0, samples / _MARGIN_SAMPLES)
+    last, score = refitted(model, chosen, _CONVERGED_SHARE * margin)
     waiting = sorted(delays, key=lambda one: -one.gain)
     while waiting:
         refused = []
         for late in waiting:
-            trials = _Trials(late, current, {0: score}, vehicle, replay, known)
+            trials = _Trials(late, current, {0: score}, vehicle, replay, last)
             best = _best_shift(trials.score, round(late.delay_s / SAMPLE_TIME_S))
             delay_s = SAMPLE_TIME_S * _vertex(trials.score, best)
             allowed_s = max(_AGREEMENT_S, 2.0 * late.std_s, _AGREEMENT_SHARE * abs(late.delay_s))
             agrees = abs(delay_s - late.delay_s) < allowed_s
-            if agrees and score - trials.score(best) > _MARGIN * min(1.0, samples / _MARGIN_SAMPLES):
+            if agrees and score - trials.score(best) > margin:
                 told = _combined(late, delay_s)
                 shift = round(told.delay_s / SAMPLE_TIME_S)
                 accepted.append(told)
@@ -103,7 +105,7 @@ class _Trials:
     tried: dict[int, float]
     vehicle: VehicleFile
     replay: ReplayFactory
-    known: "Refit"
+    last: "Step"
 
     def manoeuvres(self, shift: int) -> list[Manoeuvre]:
         return [shifted(m, self.late.channels, shift * SAMPLE_TIME_S) for m in self.base]
@@ -111,7 +113,7 @@ class _Trials:
     def score(self, shift: int) -> float:
         if shift not in self.tried:
             model = self.replay(self.vehicle, self.manoeuvres(shift))
-            self.tried[shift] = refitted_innovations(model, self.known)[1]
+            self.tried[shift] = innovations_after(model, self.last)[1]
         return self.tried[shift]
 
 
@@ -134,8 +136,8 @@ def _vertex(score_of: Callable[[int], float], best: int) -> float:
 
 
 @dataclass(frozen=True)
-class Refit:
-    """Where the chosen columns stand after some steps, and what they change there.
+class Step:
+    """A damped Gauss-Newton step of some columns: where it begins and what they change there.
 
     Attributes
     ----------
@@ -148,43 +150,43 @@ class Refit:
     chosen: Sequence[int]
 
 
-def refitted(model: ReplayModel, chosen: Sequence[int]) -> tuple[Refit, float]:
-    """The chosen columns after damped Gauss-Newton steps, as long as they shrink the innovations, and Σ N log σ there.
+def refitted(model: ReplayModel, chosen: Sequence[int], worth_a_step: float) -> tuple[Step, float]:
+    """The last step of a refit of the chosen columns, and Σ N log σ after it; steps go on while they gain that much.
 
     A friction that is off by a third bends the phases of a stop in ways that one step from the vehicle file leaves.
     """
     theta = np.zeros(len(model.columns))
     score = _score(model.residuals(theta), model.weights())
-    for _ in range(_SWEEPS):
-        refit = Refit(theta, model.sensitivities(theta, chosen), chosen)
-        theta, better = refitted_innovations(model, refit)
-        gained, score = score - better, min(score, better)
-        if gained < _CONVERGED:
+    for _ in range(_MOST_STEPS):
+        step = Step(theta, model.sensitivities(theta, chosen), chosen)
+        theta, better = innovations_after(model, step)
+        gained, score = score - better, better
+        if gained < worth_a_step:
             break
-    return refit, score
+    return step, score
 
 
-def refitted_innovations(model: ReplayModel, refit: Refit) -> tuple[FloatArray, float]:
-    """Deviations (p,) after one more damped step of the chosen columns, and Σ N log σ of the innovations there.
+def innovations_after(model: ReplayModel, step: Step) -> tuple[FloatArray, float]:
+    """Deviations (p,) after a step, none where it would not gain, and Σ N log σ of the innovations there.
 
-    The slopes may come from slightly shifted data: a chord step.
+    The step's slopes may come from slightly shifted data: a chord step.
     """
-    chosen, weights = list(refit.chosen), model.weights()
-    residuals = model.residuals(refit.theta)
+    chosen, weights = list(step.chosen), model.weights()
+    residuals = model.residuals(step.theta)
     stds = [_spread(r, w) for r, w in zip(residuals, weights, strict=True)]
-    best, taken = _score(residuals, weights), refit.theta
+    best, taken = _score(residuals, weights), step.theta
     widths = np.array([max(model.parameters[k].nuisance_std, model.parameters[k].effect_std) for k in chosen])
     precision = widths**-2.0
-    normal, gradient = np.diag(precision), -precision * refit.theta[chosen]
-    for residual, weight, slope, std in zip(residuals, weights, refit.slopes, stds, strict=True):
+    normal, gradient = np.diag(precision), -precision * step.theta[chosen]
+    for residual, weight, slope, std in zip(residuals, weights, step.slopes, stds, strict=True):
         scaled = (slope * (weight / std)[:, :, None]).reshape(-1, len(chosen))
         normal = normal + scaled.T @ scaled
         gradient = gradient + scaled.T @ (residual * weight / std).ravel()
-    step = np.linalg.solve(normal, gradient)
+    change = np.linalg.solve(normal, gradient)
     for share in (1.0, 0.5):
-        theta = refit.theta.copy()
+        theta = step.theta.copy()
         theta[chosen] = np.clip(
-            theta[chosen] + share * step,
+            theta[chosen] + share * change,
             [model.parameters[k].low for k in chosen],
             [model.parameters[k].high for k in chosen],
         )

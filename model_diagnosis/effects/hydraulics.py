@@ -38,7 +38,7 @@ def _delay(valve: str) -> tuple[EffectParameter, ...]:
 
 
 def _dead_time(name: str, scatter_s: float, path: str, *, never_negative: bool = False) -> EffectParameter:
-    """Pulses are told at 10 ms apart: valleys of the cost are half as wide, and two trial values lie in each."""
+    """Commands are told every 10 ms: valleys of the cost are half as wide (measured), and two values lie in each."""
     return EffectParameter(
         name,
         "s",

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.evidence.fitting import Fit
 from model_diagnosis.evidence.groups import SEPARATION_NEEDED, canonical_correlation, separation
 from model_diagnosis.evidence.hypotheses import Hypothesis, by_effect
 from model_diagnosis.evidence.quadratic import Quadratic, total
@@ -65,23 +66,18 @@ def look_alikes(
     )
     group = [own.effect]
     for effect in dict.fromkeys([*forced, *close[:REFITTED]]):
-        evidence[effect] = _refitted(search, selection, quadratic, rest, effect, accepted)
+        evidence[effect], by_data = _refitted(search, selection, quadratic, rest, effect, accepted)
         if effect in forced or accepted.evidence - evidence[effect] < SEPARATION_NEEDED:
             group.append(effect)
-            evidence[effect] = _as_far_as_told(evidence[effect], accepted.evidence, separations.get(effect, np.inf))
+            # two laws that the data does not tell apart fit a wrong form differently well by chance: what it says
+            # beyond what it can tell at this size is that form's; sizes that an effect seldom has still count
+            told = separations.get(effect, np.inf)
+            evidence[effect] += float(np.clip(by_data, -told, told)) - by_data
     for effect in _rivals(evidence, accepted, {*group, *forced, *close[:REFITTED]}):
-        evidence[effect] = _refitted(search, selection, quadratic, rest, effect, accepted)
+        evidence[effect], _ = _refitted(search, selection, quadratic, rest, effect, accepted)
     probability, nothing = probabilities(evidence)
     alike = _correlations(search, quadratic, rest, own, group[1:])
     return LookAlikes(tuple(group), evidence, probability, nothing, separations, alike)
-
-
-def _as_far_as_told(evidence: float, of_accepted: float, separation_expected: float) -> float:
-    """Evidence of a look-alike, no farther from the accepted one's than this data tells the two apart at that size.
-
-    What goes beyond is the form's error: two laws that differ by nothing fit it differently well by chance.
-    """
-    return float(np.clip(evidence, of_accepted - separation_expected, of_accepted + separation_expected))
 
 
 def _rivals(evidence: FloatArray, accepted: Accepted, known: Collection[int]) -> list[int]:
@@ -141,10 +137,14 @@ def _refitted(
     rest: Sequence[Hypothesis],
     effect: int,
     accepted: Accepted,
-) -> float:
-    """Evidence of another effect in the accepted one's place, the best of its hypotheses."""
+) -> tuple[float, float]:
+    """Evidence of another effect in the accepted one's place, the best of its hypotheses.
+
+    The second number is what the data says for it against the accepted one, with whatever all else does to suit it:
+    the probability of its own size and Occam's factor left out.
+    """
     problem = search.problem
-    best = -np.inf
+    best = -np.inf, 0.0
     mine = -0.5 * search.set_cost([*rest, accepted.hypothesis], selection.fit) + search.occam(
         accepted.hypothesis, rest, quadratic
     )
@@ -154,5 +154,15 @@ def _refitted(
         start = problem.priors.centre + problem.scale * mean
         fit = search.fit_set(chosen, selection.linearisation, start)
         value = -0.5 * search.set_cost(chosen, fit) + search.occam(hypothesis, rest, quadratic)
-        best = max(best, accepted.evidence + value - mine)
+        by_data = 0.5 * (
+            _without_own_size(search, selection.fit, accepted.hypothesis) - _without_own_size(search, fit, hypothesis)
+        )
+        best = max(best, (accepted.evidence + value - mine, by_data))
     return best
+
+
+def _without_own_size(search: Search, fit: Fit, own: Hypothesis) -> float:
+    """Cost of a fit but for the prior of the hypothesis' own deviations."""
+    columns = list(own.columns)
+    size = ((fit.theta - search.problem.priors.centre) / fit.widths)[columns]
+    return fit.cost - float(np.sum(size**2))

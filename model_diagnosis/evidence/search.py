@@ -126,6 +126,7 @@ class Search:
         self.problem = problem
         self.hypotheses = list(hypotheses)
         self.worth_a_refit = worth_a_refit
+        self._to_try: dict[int, list[float]] = {}
 
     def stage(self, accepted: Sequence[Hypothesis], nothing_more: Fit, linearisation: Linearisation) -> Stage:
         """Linear evidence of everything beside ``accepted`` at its fit."""
@@ -340,7 +341,9 @@ class Search:
         for number in singles:
             column = self.hypotheses[number].columns[0]
             widths = self.problem.priors.widths(present_columns((*stage.accepted, self.hypotheses[number])))
-            for value in trial_values(self.problem, stage.nothing_more.theta, column, widths):
+            if column not in self._to_try:  # where pulses lie is the log's, whatever else is found
+                self._to_try[column] = trial_values(self.problem, stage.nothing_more.theta, column, widths)
+            for value in self._to_try[column]:
                 theta = stage.nothing_more.theta.copy()
                 theta[column] = value
                 cost, start = self._grid_point(stage, theta, widths, column)

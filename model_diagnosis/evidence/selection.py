@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 MAXIMUM_EFFECTS = 3
 SWAPS_TRIED = 2
 SWAP_GAIN = 1.0
-"""Log evidence that a swap has to gain: less is what two fits of the same set differ by."""
+"""Log evidence that a swap has to gain: a fit by chords ends some units of cost, twice as many, above its minimum."""
 
 LATER_SHARE = 0.02
 """Share of the first cause's evidence that a further one needs: the law of an effect is right to a tenth or so of its
@@ -115,11 +115,11 @@ class Selector:
             fit, linearisation = stage.nothing_more, stage.linearisation
             if found is None:
                 break
-            best, linearisation = found
+            best, at_best = found
             if step == most:
-                left, linearisation = best.evidence, stage.linearisation
+                left = best.evidence
                 break
-            fit = best.fit
+            fit, linearisation = best.fit, at_best
             needed = max(needed, LATER_SHARE * best.evidence) if step == 0 else needed
             chosen = [*chosen, best.hypothesis]
             self.decisions.append(f"accepted {self.name(best.hypothesis)}, log Bayes factor {best.evidence:.1f}")

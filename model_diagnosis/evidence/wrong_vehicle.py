@@ -57,8 +57,8 @@ class WrongVehicle:
     def beats(self, selected_evidence: float, left: float = 0.0) -> bool:
         """True if the data speaks for another car rather than for the selected effects.
 
-        ``left`` is the evidence of one more effect where an answer holds no more of them: with it another car need
-        not beat those selected, but for what they leave; beside numbers chosen one by one it always loses.
+        ``left`` is the evidence of a further effect that the answer, full as it is, has no place for. The selected ones
+        are then not the whole either, and another car may say less than they do by so much.
         """
         return self.evidence > selected_evidence + MARGIN - left and len(self.far_off) >= PARAMETERS_FAR_OFF
 

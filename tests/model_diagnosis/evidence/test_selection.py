@@ -124,10 +124,20 @@ def test_look_alikes_whose_form_is_wrong_share_the_probability_all_the_same(monk
         fit = fitted(*given, **named)
         return replace(fit, cost=fit.cost + 40.0)
 
+    right = look_alikes(search, selection, accepted, forced=(4,))
     monkeypatch.setattr(search, "fit_set", worse_by_its_form)
-    alike = look_alikes(search, selection, accepted, forced=(4,))
-    assert abs(alike.evidence[4] - alike.evidence[3]) <= alike.separations[4] + 1e-6
-    assert alike.probability[[3, 4]].min() > 0.1
+    wrong = look_alikes(search, selection, accepted, forced=(4,))
+    assert wrong.evidence[4] == pytest.approx(right.evidence[4], abs=wrong.separations[4] + 1e-6)
+    assert wrong.probability[[3, 4]].min() > 0.1
+
+
+def test_look_alikes_whose_sizes_are_not_as_likely_do_not_share_it_alike() -> None:
+    """A change of 0.8 or one of 1.0 beside a width of 0.2: sizes alone tell the two apart."""
+    car = LinearCar(EFFECTS, _truth(8, c3=0.8), 8, colour=0.5, same=[(3, 4, 0.8)])
+    search, selection = _search(car)
+    (alike,) = [look_alikes(search, selection, one, forced=(4,)) for one in selection.accepted]
+    assert alike.group == (3, 4)
+    assert 1.0 < alike.evidence[3] - alike.evidence[4] < 0.5 * (1.0**2 - 0.8**2) / 0.2**2
 
 
 def test_a_rejected_effect_far_from_the_winner_is_not_in_its_group() -> None:

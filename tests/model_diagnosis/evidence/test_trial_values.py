@@ -9,6 +9,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "data"))
 
 from hidden_car import hidden_logs
+from linear_car import LinearCar, effect
 
 from model_diagnosis.data import check_data
 from model_diagnosis.evidence.fitting import Problem
@@ -39,8 +40,7 @@ def test_a_valve_that_is_late_by_more_than_a_sample_is_tried_near_its_delay(
     assert tried == pytest.approx(delay_s, abs=0.005)
 
 
-def test_other_deviations_are_tried_in_widths_of_their_prior_within_their_bounds(tmp_path: Path) -> None:
-    problem = _problem(tmp_path, 223, 0.01)
-    column = problem.replay.columns.index("road_grade.grade")
-    tried = trial_values(problem, problem.priors.centre, column, problem.priors.widths((column,)))
-    assert tried == pytest.approx(problem.scale[column] * np.array([-1.5, -0.75, 0.75, 1.5]))
+def test_other_deviations_are_tried_in_widths_of_their_prior_within_their_bounds() -> None:
+    car = LinearCar([effect("e", width=0.8)], np.zeros(1), 1)
+    problem = Problem(car, Priors.of(car.parameters), sensor_whitener(car))
+    assert trial_values(problem, np.zeros(1), 0, np.full(1, 0.8)) == pytest.approx([-0.6, 0.6])
