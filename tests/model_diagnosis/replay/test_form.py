@@ -74,3 +74,11 @@ def test_transient_on_the_force_is_told_from_one_on_the_slip(hidden: Replay, lat
         late = {name: np.interp(one.time - late_s, one.time, speed) for name, speed in wheels.items()}
         manoeuvres.append(replace(one, channels={**one.channels, **late}))
     assert _share(Replay(hidden.vehicle, manoeuvres)) == 1.0
+
+
+def test_transient_is_told_where_the_calipers_are_slow(tmp_path: Path) -> None:
+    """A brake that follows its pressure by 60 ms is late in every stop: without it the wrong form fits better."""
+    vehicle, manoeuvres = hidden_logs(
+        tmp_path, 211, ("abs_stop", "gentle_stops", "sine_steer"), ("caliper_lag", 0.06, 0)
+    )
+    assert _share(Replay(vehicle, manoeuvres)) == 1.0
