@@ -32,17 +32,20 @@ def _delay(valve: str) -> tuple[EffectParameter, ...]:
     """
     path = f"hydraulics.{valve}_delay"
     return (
-        _dead_time("delay", 3e-3, f"{path}_*", never_negative=True),
-        *(_dead_time(wheel, 5e-4, f"{path}_{wheel}") for wheel in WHEELS),
+        _dead_time("delay", 3e-3, f"{path}_*", -0.02, never_negative=True),
+        # a valve that sticks is late beside the others; two scatters early is all that making one leaves
+        *(_dead_time(wheel, 5e-4, f"{path}_{wheel}", -1e-3) for wheel in WHEELS),
     )
 
 
-def _dead_time(name: str, scatter_s: float, path: str, *, never_negative: bool = False) -> EffectParameter:
+def _dead_time(
+    name: str, scatter_s: float, path: str, least_s: float, *, never_negative: bool = False
+) -> EffectParameter:
     """Commands are told every 10 ms: valleys of the cost are half as wide (measured), and two values lie in each."""
     return EffectParameter(
         name,
         "s",
-        -0.02,
+        least_s,
         0.03,
         scatter_s,
         0.01,

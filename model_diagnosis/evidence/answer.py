@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.evidence.checks import Consistency, consistency
+from model_diagnosis.evidence.law_errors import LAW_SHARE
 from model_diagnosis.evidence.lookalikes import LookAlikes
 from model_diagnosis.evidence.priors import with_commons
 from model_diagnosis.evidence.replay_model import ReplayModel
@@ -19,13 +20,6 @@ FloatArray = NDArray[np.float64]
 
 INTERVAL_STD = 1.6449
 """Half width of a 90 % interval in standard deviations."""
-
-LAW_SHARE = 0.06
-"""Standard deviation of a size that the law of the effect leaves, over the size: no law holds to the last digit.
-
-Root mean square of (found - true) / true over named single causes of the challenge's tuning seed 43; noise leaves
-0.01 to 0.03 there.
-"""
 
 INCONSISTENT_PER_MANOEUVRE = 6.0
 """Mean squared difference between manoeuvres, in units of their own std, beyond which a remark is made."""

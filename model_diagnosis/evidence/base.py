@@ -22,7 +22,7 @@ CRUDE_STEPS = 5
 """Steps of the first fit of "nothing", by the sensitivities at the vehicle file."""
 
 FORM_STEPS, FORM_SWEEPS = 8, 4
-"""Steps of the fits that two forms are compared by between sensitivities taken anew, and those sensitivities at most."""
+"""Steps of the fits that two forms are compared by, and how often sensitivities are taken for them at most."""
 
 FORM_GAIN = 0.1
 """Share of a crude fit's cost that steps by new sensitivities have to gain for others to be taken."""
@@ -32,9 +32,10 @@ CONVERGED = 1.0
 """Cost by which fresh sensitivities must lower a fit for others to be taken."""
 
 SURELY_LOWER, CLEARLY_LOWER = 0.5, 0.97
-"""Shares of a crude fit's cost below which another form's is lower whatever more steps do, and lower in the end. In a
-stop with ABS the right one's is a fifth to two fifths of the other's at once; with calipers that lag by 60 ms it is 0.98
-twice and then 0.5. On drives that show neither they differ by less than a hundredth."""
+"""Shares of a crude fit's cost below which another form's is lower whatever more steps do, and lower in the end.
+
+In a stop with ABS the right one's is a fifth to two fifths of the other's at once; with calipers that lag by 60 ms it
+is 0.98 twice and then 0.5. On drives that show neither they differ by less than a hundredth."""
 
 
 @dataclass(frozen=True)
