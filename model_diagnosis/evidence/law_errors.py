@@ -26,8 +26,11 @@ Root mean square of (found - true) / true over named single causes of the challe
 0.01 to 0.03 there.
 """
 
+LEAST_SEEN = 1.0
+"""Log evidence by sensitivities below which they tell nothing."""
 
-def lost_to_laws(
+
+def share_beside_laws(
     problem: Problem,
     linearisation: Linearisation,
     theta: FloatArray,
@@ -35,7 +38,7 @@ def lost_to_laws(
     others: Sequence[Hypothesis],
     nuisance: FloatArray,
 ) -> float:
-    """Log evidence (at least 0) that a hypothesis loses where the laws of the others are off by ``LAW_SHARE``.
+    """Share (0 to 1) of a hypothesis' evidence that is left where the laws of the others are off by ``LAW_SHARE``.
 
     Parameters
     ----------
@@ -43,13 +46,29 @@ def lost_to_laws(
     nuisance : (p,) prior widths beside the others, without the hypothesis, in units of the effect widths
     """
     if not others or hypothesis.value is not None:
-        return 0.0
+        return 1.0
+    exact, left = evidence_beside_laws(problem, linearisation, theta, hypothesis, others, nuisance)
+    # sensitivities see little of what acts in pulses: they cannot tell what the laws take of it
+    return float(np.clip(left / exact, 0.0, 1.0)) if exact > LEAST_SEEN else 1.0
+
+
+def evidence_beside_laws(
+    problem: Problem,
+    linearisation: Linearisation,
+    theta: FloatArray,
+    hypothesis: Hypothesis,
+    others: Sequence[Hypothesis],
+    nuisance: FloatArray,
+) -> tuple[float, float]:
+    """Log Bayes factors of a hypothesis by its sensitivities: beside exact laws, and beside laws that are off."""
     known = problem.quadratic(linearisation, problem.rows(theta), theta)
     errors = _errors(problem, theta, others)
     information, score = _with_errors(problem, linearisation, theta, known, errors)
-    exact = _evidence(known, nuisance, hypothesis, nuisance)
     widths = np.append(nuisance, np.ones(errors[0].shape[1]))
-    return max(0.0, exact - _evidence(Quadratic(information, score), widths, hypothesis, nuisance))
+    return (
+        _evidence(known, nuisance, hypothesis, nuisance),
+        _evidence(Quadratic(information, score), widths, hypothesis, nuisance),
+    )
 
 
 def _errors(problem: Problem, theta: FloatArray, others: Sequence[Hypothesis]) -> list[FloatArray]:

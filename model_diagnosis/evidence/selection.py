@@ -14,7 +14,7 @@ from model_diagnosis.evidence.checks import LeaveOneOut, effective_bic, leave_on
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.form_heat import OwnDirection, own_direction
 from model_diagnosis.evidence.hypotheses import Hypothesis
-from model_diagnosis.evidence.law_errors import LAW_SHARE, lost_to_laws
+from model_diagnosis.evidence.law_errors import LAW_SHARE, share_beside_laws
 from model_diagnosis.evidence.quadratic import Quadratic
 from model_diagnosis.evidence.search import Candidate, Refit, Search, Stage, ratios
 
@@ -166,10 +166,10 @@ class Selector:
                 f"{left:.1f} is left of {refit.evidence:.1f}, for what it explains scatters {own.heat:.1f} times as "
                 "much as noise"
             )
-        lost = self._lost(refit.hypothesis, stage.accepted, refit.fit, linearisation)
-        if left - lost <= needed:
+        left *= self._beside_laws(refit.hypothesis, stage.accepted, refit.fit, linearisation)
+        if left <= needed:
             return (
-                f"{left - lost:.1f} is left of {refit.evidence:.1f} where the laws of what stands beside it may be off "
+                f"{left:.1f} is left of {refit.evidence:.1f} where the laws of what stands beside it may be off "
                 f"by {100.0 * LAW_SHARE:.0f} % in any signal and manoeuvre"
             )
         check = leave_one_out(
@@ -198,14 +198,14 @@ class Selector:
             ratios(self.problem, (*others, hypothesis)),
         )
 
-    def _lost(
-        self, hypothesis: Hypothesis, others: Sequence[Hypothesis], fit: Fit, linearisation: Linearisation
+    def _beside_laws(
+        self, hypothesis: Hypothesis, before: Sequence[Hypothesis], fit: Fit, linearisation: Linearisation
     ) -> float:
-        """Evidence that the errors of the others' laws may account for; a law that is approximate stands for itself."""
+        """Share of its evidence that the laws of those accepted before leave; an approximate law stands for itself."""
         if not self.is_exact:
-            return 0.0
-        nuisance = ratios(self.problem, others)
-        return lost_to_laws(self.problem, linearisation, fit.theta, hypothesis, others, nuisance)
+            return 1.0
+        nuisance = ratios(self.problem, before)
+        return share_beside_laws(self.problem, linearisation, fit.theta, hypothesis, before, nuisance)
 
     def _polish(self, fit: Fit) -> tuple[Fit, Linearisation]:
         """Fresh sensitivities at the accepted solution and the fit with them."""
@@ -221,7 +221,6 @@ class Selector:
             without = self.search.fit_set(rest, linearisation, fit.theta)
             direction = self._direction(hypothesis, rest, fit, linearisation)
             evidence = self._tempered(direction, hypothesis, rest, fit, without)
-            evidence -= self._lost(hypothesis, rest, fit, linearisation)
             if len(rest) and evidence <= self.needed:
                 self.decisions.append(f"dropped {self.name(hypothesis)}: only {evidence:.1f} beside the others")
                 chosen = rest
@@ -290,7 +289,7 @@ class Selector:
         return Accepted(
             hypothesis,
             self._tempered(direction, hypothesis, rest, fit, without)
-            - self._lost(hypothesis, rest, fit, linearisation),
+            * self._beside_laws(hypothesis, chosen[: chosen.index(hypothesis)], fit, linearisation),
             self._bic_change(fit, without, hypothesis),
             leave_one_out(parts, ratios(self.problem, rest), hypothesis.columns, scaled),
             direction,
