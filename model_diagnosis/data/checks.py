@@ -32,6 +32,8 @@ from signals.errors import InputError
 from vehicle_model.vehicle_file import VehicleFile
 
 _LARGE_DELAY_S = 0.15
+_PROPOSALS = 3
+"""Explanations of the same lags that are tried on the replay's innovations, until one of their delays is accepted."""
 
 
 def check_data(
@@ -108,14 +110,21 @@ def _check_delays(
         repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
     if commands:
         relations = lag_relations(repaired, geometry, replayed)
-    late_sets = explain_lags(relations, candidates(repaired), proposed=replay is not None)
+    sets = candidates(repaired)
+    late_sets = explain_lags(relations, sets, proposed=replay is not None)
     large = [
         late for late in late_sets if replay is None or (abs(late.delay_s) > _LARGE_DELAY_S and late.gain > PLAIN_GAIN)
     ]
     for late in large:
         repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
     small: list[Late] = []
-    if replay is not None and len(late_sets) > len(large):
-        rest = [late for late in late_sets if late not in large]
-        small, repaired = accepted_delays(rest, repaired, vehicle, replay)
+    waiting = [late for late in late_sets if late not in large]
+    for _ in range(_PROPOSALS):
+        if replay is None or small or not waiting:
+            break
+        small, repaired = accepted_delays(waiting, repaired, vehicle, replay)
+        # what the innovations refuse is not late: the next best explanation of the same lags may be
+        sets = [one for one in sets if one.groups not in [late.groups for late in waiting]]
+        known = [late.groups for late in large]
+        waiting = [one for one in explain_lags(relations, sets, proposed=True) if one.groups not in known]
     return named, [*large, *small], repaired

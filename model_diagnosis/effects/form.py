@@ -62,9 +62,19 @@ FORM_EFFECTS: tuple[Effect, ...] = (
     _form(
         "form_trail",
         Group.TYRE,
-        "n = n_0 (1 - s/s_peak)(1 + d s/s_peak): straight down to the peak (brush), or a parabola (d = 1)",
+        "n = n_0 (1 - s/s_peak)(1 + d s/s_peak): straight down to the peak (brush), or a parabola (d = 1); s is the "
+        "whole slip, or by a share d_across the slip across alone",
         _MOTION,
         EffectParameter("bulge", "1", -1.0, 3.0, 1.0, 1.0),
+        EffectParameter("across", "1", 0.0, 1.0, 1.0, 1.0),
+    ),
+    _form(
+        "form_steering_link",
+        Group.STEERING,
+        "a share d of the difference between the front wheels' aligning moments turns neither: the rack and the column "
+        "yield to their sum, only the tie rods to each wheel's own",
+        _MOTION,
+        EffectParameter("share", "1", 0.0, 1.0, 1.0, 1.0),
     ),
     _form(
         "form_tyre_spring",

@@ -23,6 +23,7 @@ _COASTING_NM = 1.0
 def steer_wheels(p: Record, s: Record, step: float) -> None:
     """Angles of the road wheels: linkage, compliance under the aligning moment, toe."""
     angle = s.steer * p.steering_scale
+    across = 0.5 * (s.aligning[0] - s.aligning[1]) * p.steering_link
     for i in range(2):
         wanted = angle + p.steering_offset + p.toe[i]
         if p.ackermann != 0.0:
@@ -32,7 +33,8 @@ def steer_wheels(p: Record, s: Record, step: float) -> None:
             wanted += p.ackermann * (full - angle)
         # the linkage holds the tyre's moment and turns the spinning wheel with the body's roll
         turned = p.guide_lean * s.mid_roll_rate * p.spin_inertia[i] * s.spin[i]
-        wanted += (s.aligning[i] - turned) / p.steering_stiffness
+        moment = s.aligning[i] - (across if i == 0 else -across)
+        wanted += (moment - turned) / p.steering_stiffness
         share = step / (2.0 * p.steering_lag + step)
         mean = s.angle[i] + share * (wanted - s.angle[i])
         s.angle[i], s.sine[i], s.cosine[i] = followed(s.angle[i], wanted, 0.0, share), math.sin(mean), math.cos(mean)
@@ -106,6 +108,7 @@ def move_wheel(
     s.lagged_force_x[i] = behind(s.lagged_force_x[i], mean_x, force_share_x)
     s.lagged_force_y[i] = behind(s.lagged_force_y[i], mean_y, force_share_y)
     s.tyre_x[i], s.tyre_y[i] = mean_x, mean_y
+    relative += p.trail_across * (abs(slip_y) * p.inverse_peak_y[i] - relative)
     s.aligning[i] = -p.trail[i] * max(1.0 - relative, 0.0) * (1.0 + p.trail_bulge * relative) * mean_y
     if p.heat_fade != 0.0:
         heat = abs(mean_x * slide_x) + abs(mean_y * v_y)

@@ -6,7 +6,7 @@ Logs are those of the challenge's generator; every number of its cars is off wit
 from pathlib import Path
 
 import pytest
-from hidden_car import INERTIAL, WHEEL_SPEEDS, hidden_logs, late
+from hidden_car import INERTIAL, WHEEL_SPEEDS, drawn_logs, hidden_logs, late
 
 from model_diagnosis.data import check_data
 from model_diagnosis.replay import Replay
@@ -61,3 +61,12 @@ def test_low_friction_hides_no_late_logger_and_invents_no_late_message(tmp_path:
     (found,) = [one for one in faults if one.unit == "s"]
     assert (found.kind, found.channel) == ("clock_offset", "speed")
     assert found.value == pytest.approx(fault.value, abs=0.01)
+
+
+def test_where_innovations_refuse_the_likeliest_late_channels_the_next_ones_are_tried(tmp_path: Path) -> None:
+    """A dragging brake makes pressures and acceleration look early by what the other logger's speed is late."""
+    vehicle, manoeuvres = drawn_logs(tmp_path, 48, 10)
+    faults, _ = check_data(manoeuvres, vehicle, Replay)
+    (fault,) = [one for one in faults if one.unit == "s"]
+    assert (fault.kind, fault.channel) == ("clock_offset", "speed")
+    assert fault.value == pytest.approx(0.0534, abs=0.005)

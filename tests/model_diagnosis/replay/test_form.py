@@ -82,3 +82,15 @@ def test_transient_is_told_where_the_calipers_are_slow(tmp_path: Path) -> None:
         tmp_path, 211, ("abs_stop", "gentle_stops", "sine_steer"), ("caliper_lag", 0.06, 0)
     )
     assert _share(Replay(vehicle, manoeuvres)) == 1.0
+
+
+def test_linkage_and_trail_of_another_car_are_told(tmp_path: Path) -> None:
+    """The generator's rack yields to both front wheels' moments, its trail shortens with the slip across alone."""
+    vehicle, manoeuvres = hidden_logs(
+        tmp_path, 211, ("abs_stop", "brake_in_turn", "sine_steer"), ("mu_split", -0.15, 0)
+    )
+    replay = Replay(vehicle, manoeuvres)
+    found = dict(zip(replay.columns, fit_base(replay, Priors.of(replay.parameters)).nothing.theta, strict=True))
+    assert found["form_steering_link.share"] > 0.8
+    assert found["form_trail.across"] > 0.5
+    assert found["form_trail.bulge"] == pytest.approx(1.0, abs=0.5)
