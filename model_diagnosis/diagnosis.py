@@ -30,7 +30,7 @@ from model_diagnosis.evidence.search import Search, linear_evidence, ratios
 from model_diagnosis.evidence.selection import Accepted, Selection, Selector
 from model_diagnosis.evidence.structure import are_forced_together
 from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
-from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, compare
+from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, are_of_the_car, compare
 from model_diagnosis.extension.other_car import numbers_of
 from model_diagnosis.findings import Findings
 from model_diagnosis.held_out import gain_of, gain_of_numbers, noise_std, refit_within_scatter
@@ -207,7 +207,8 @@ class _Pipeline:
         chords, starts = (base.at_nothing, base.at_saturated), (selection.fit.theta, base.saturated.theta)
         wrong = compare(base.problem, selection.nothing, chords, starts)
         found = unknown.evidence if unknown else sum(one.evidence for one in selection.accepted)
-        is_wrong = wrong.beats(found, 0.0 if unknown else selection.left)
+        accepted = [self.replay.effects[one.hypothesis.effect] for one in selection.accepted]
+        is_wrong = wrong.beats(found, selection.left if not unknown and are_of_the_car(accepted) else 0.0)
         details = [] if is_wrong or unknown else self._causes(search, selection)
         shown = excitation(base.problem, base.at_nothing.information, needed)
         self.clock.begin("plan")

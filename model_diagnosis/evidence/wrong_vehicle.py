@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.effects.effect import Application, Group
+from model_diagnosis.effects.effect import Application, Effect, Group
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.form_heat import own_direction
 from model_diagnosis.evidence.priors import Priors, is_scattering, with_commons
@@ -74,6 +74,11 @@ def nominal_columns(problem: Problem) -> NDArray[np.int64]:
         ],
         dtype=np.int64,
     )
+
+
+def are_of_the_car(effects: Sequence[Effect]) -> bool:
+    """True where most of these effects are of what a data sheet describes: roads and sensors make no other car."""
+    return 2 * sum(one.group in DATA_SHEET for one in effects) > len(effects)
 
 
 def is_of_data_sheet(problem: Problem, column: int) -> bool:

@@ -9,6 +9,7 @@ from linear_car import LinearCar, effect
 from numpy.typing import NDArray
 from scipy.stats import binom
 
+from model_diagnosis.effects import catalogue
 from model_diagnosis.evidence.answer import causes
 from model_diagnosis.evidence.base import fit_base
 from model_diagnosis.evidence.fitting import Fit
@@ -18,7 +19,7 @@ from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.search import Search, ratios
 from model_diagnosis.evidence.selection import Selection, Selector
 from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
-from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, compare
+from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, are_of_the_car, compare
 
 EFFECTS = [
     *(effect(f"e{number}") for number in range(10)),
@@ -188,6 +189,20 @@ def test_another_car_need_not_beat_what_the_causes_leave() -> None:
     assert not car.beats(281.0)
     assert car.beats(281.0, left=25.0)
     assert not replace(car, far_off=(0, 1)).beats(281.0, left=25.0)
+
+
+@pytest.mark.parametrize(
+    ("names", "told"),
+    [
+        (("yaw_inertia", "mass_change", "tyre_peak_shape"), True),
+        (("yaw_inertia", "mass_change", "gyro_offset"), True),
+        (("road_grade", "gyro_offset", "accelerometer_scale"), False),
+        (("mass_change", "gyro_offset"), False),
+        ((), False),
+    ],
+)
+def test_roads_and_sensors_make_no_other_car(names: tuple[str, ...], told: bool) -> None:
+    assert are_of_the_car([catalogue.effect(name) for name in names]) is told
 
 
 def test_one_effect_is_not_another_car() -> None:
