@@ -12,28 +12,9 @@ from numpy.typing import NDArray
 
 from model_diagnosis.data.delay_checks import Late, shifted
 from model_diagnosis.data.replayed import FloatArray, ReplayFactory, ReplayModel
+from model_diagnosis.effects.catalogue import IMPOSTORS
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from vehicle_model.vehicle_file import VehicleFile
-
-IMPOSTORS = (
-    "tyre_friction",
-    "tyre_longitudinal_stiffness",
-    "tyre_cornering_stiffness",
-    "tyre_relaxation_length",
-    "brake_pad_friction",
-    "brake_balance",
-    "caliper_lag",
-    "mass_change",
-    "cg_height_change",
-    "yaw_inertia",
-    "steering_ratio",
-    "wheel_radius_change",
-    "aero_drag",
-    "accelerometer_offset",
-    "accelerometer_scale",
-    "gyro_scale",
-)
-"""Effects that shift phases or levels, which the refit may use instead of a delay."""
 
 _MARGIN = 200.0
 _MARGIN_SAMPLES = 43_200

@@ -35,6 +35,27 @@ EFFECTS: tuple[Effect, ...] = (
 )
 
 
+IMPOSTORS = (
+    "tyre_friction",
+    "tyre_longitudinal_stiffness",
+    "tyre_cornering_stiffness",
+    "tyre_relaxation_length",
+    "brake_pad_friction",
+    "brake_balance",
+    "caliper_lag",
+    "mass_change",
+    "cg_height_change",
+    "yaw_inertia",
+    "steering_ratio",
+    "wheel_radius_change",
+    "aero_drag",
+    "accelerometer_offset",
+    "accelerometer_scale",
+    "gyro_scale",
+)
+"""Effects that shift phases or levels: what a refit may use instead of a delay, or of another form."""
+
+
 @cache
 def _by_name() -> dict[str, Effect]:
     return {effect.name: effect for effect in EFFECTS}

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.effects.catalogue import IMPOSTORS
 from model_diagnosis.effects.form import OTHER_FORMS
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.priors import NUISANCE_FLOOR, Priors
@@ -34,8 +35,12 @@ CONVERGED = 1.0
 SURELY_LOWER, CLEARLY_LOWER = 0.5, 0.97
 """Shares of a crude fit's cost below which another form's is lower whatever more steps do, and lower in the end.
 
-In a stop with ABS the right one's is a fifth to two fifths of the other's at once; with calipers that lag by 60 ms it
-is 0.98 twice and then 0.5. On drives that show neither they differ by less than a hundredth."""
+In a stop with ABS the right one is a fifth to two fifths of the other at once; with calipers that lag by 60 ms it is
+1.23 first and 0.36 after three more sensitivities. On drives that show neither they differ by less than 0.01.
+"""
+
+LEAST_TOLD = 0.02
+"""Cost per row that the lower form must save: less is small beside the sensors' own noise, which costs 1 per row."""
 
 
 @dataclass(frozen=True)
@@ -113,8 +118,9 @@ def _held(priors: Priors, column: int, value: float) -> Priors:
 def nearer_form(replay: ReplayModel, priors: Priors) -> tuple[Problem, list[FloatArray], Linearisation, Fit]:
     """Problem with the form whose crude fit comes nearer, sensitivities at the vehicle file, and a fit of "nothing".
 
-    The vehicle file's own form stays where no other one comes clearly nearer, as on drives that show neither. Every
-    effect is allowed meanwhile: before a fit, and with none allowed, whatever is late makes the wrong form look nearer.
+    The vehicle file's own form stays where no other one comes clearly nearer, as on drives that show neither. What
+    shifts phases is allowed meanwhile, or whatever is late makes the wrong form look nearer; nothing else is, for a fit
+    with every effect free ends in valleys that are no car's.
 
     Returns
     -------
@@ -135,7 +141,10 @@ def nearer_form(replay: ReplayModel, priors: Priors) -> tuple[Problem, list[Floa
         if all(fit.cost > (1.0 - FORM_GAIN) * one.cost for fit, one in zip(fits, before, strict=True)):
             break
     nearest = int(np.argmin([fit.cost for fit in fits]))
-    crude, at_file, chord = found[nearest if fits[nearest].cost < CLEARLY_LOWER * fits[0].cost else 0]
+    rows = sum(len(weights) for weights in found[0][-1].weights)
+    saved = fits[0].cost - fits[nearest].cost
+    is_told = saved > max((1.0 - CLEARLY_LOWER) * fits[0].cost, LEAST_TOLD * rows)
+    crude, at_file, chord = found[nearest if is_told else 0]
     return (
         crude,
         at_file,
@@ -145,8 +154,11 @@ def nearer_form(replay: ReplayModel, priors: Priors) -> tuple[Problem, list[Floa
 
 
 def _form_fit(crude: Problem, chord: Linearisation) -> Fit:
-    """Crude fit with every effect allowed, from where the sensitivities were taken."""
-    return crude.fit(chord, crude.priors.saturated(), chord.theta, steps=FORM_STEPS, is_rough=True)
+    """Crude fit with the effects that shift phases allowed, from where the sensitivities were taken."""
+    replay, priors = crude.replay, crude.priors
+    shifting = [replay.effects[int(owner)].name in IMPOSTORS for owner in replay.owner]
+    widths = np.where(shifting, priors.saturated(), priors.nuisance)
+    return crude.fit(chord, widths, chord.theta, steps=FORM_STEPS, is_rough=True)
 
 
 def _converged(problem: Problem, chord: Linearisation, start: Fit) -> tuple[Fit, Linearisation]:
