@@ -123,8 +123,9 @@ def _check_delays(
         if replay is None or small or not waiting:
             break
         small, repaired = accepted_delays(waiting, repaired, vehicle, replay)
-        # what the innovations refuse is not late: the next best explanation of the same lags may be
+        # what the innovations refuse is not late: the next best explanation of the same lags may be, if it is simpler
         sets = [one for one in sets if one.groups not in [late.groups for late in waiting]]
         known = [late.groups for late in large]
-        waiting = [one for one in explain_lags(relations, sets, proposed=True) if one.groups not in known]
+        following = [one for one in explain_lags(relations, sets, proposed=True) if one.groups not in known]
+        waiting = following if len(following) < len(waiting) else []
     return named, [*large, *small], repaired
