@@ -32,8 +32,6 @@ from signals.errors import InputError
 from vehicle_model.vehicle_file import VehicleFile
 
 _LARGE_DELAY_S = 0.15
-_PROPOSALS = 3
-"""Explanations of the same lags that are tried on the replay's innovations, until one of their delays is accepted."""
 
 
 def check_data(
@@ -119,9 +117,7 @@ def _check_delays(
         repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
     small: list[Late] = []
     waiting = [late for late in late_sets if late not in large]
-    for _ in range(_PROPOSALS):
-        if replay is None or small or not waiting:
-            break
+    while replay is not None and waiting and not small:
         small, repaired = accepted_delays(waiting, repaired, vehicle, replay)
         # what the innovations refuse is not late: the next best explanation of the same lags may be, if it is simpler
         sets = [one for one in sets if one.groups not in [late.groups for late in waiting]]

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from model_diagnosis.evidence.fitting import Linearisation, Problem
 from model_diagnosis.evidence.hypotheses import Hypothesis
 from model_diagnosis.evidence.quadratic import Quadratic, widening
+from model_diagnosis.evidence.search import ratios
 from model_diagnosis.evidence.whitening import huber_weights
 
 FloatArray = NDArray[np.float64]
@@ -26,31 +27,6 @@ Root mean square of (found - true) / true over named single causes of the challe
 0.01 to 0.03 there.
 """
 
-LEAST_SEEN = 1.0
-"""Log evidence by sensitivities below which they tell nothing."""
-
-
-def share_beside_laws(
-    problem: Problem,
-    linearisation: Linearisation,
-    theta: FloatArray,
-    hypothesis: Hypothesis,
-    others: Sequence[Hypothesis],
-    nuisance: FloatArray,
-) -> float:
-    """Share (0 to 1) of a hypothesis' evidence that is left where the laws of the others are off by ``LAW_SHARE``.
-
-    Parameters
-    ----------
-    theta : (p,) fit with the hypothesis and the others
-    nuisance : (p,) prior widths beside the others, without the hypothesis, in units of the effect widths
-    """
-    if not others or hypothesis.value is not None:
-        return 1.0
-    exact, left = evidence_beside_laws(problem, linearisation, theta, hypothesis, others, nuisance)
-    # sensitivities see little of what acts in pulses: they cannot tell what the laws take of it
-    return float(np.clip(left / exact, 0.0, 1.0)) if exact > LEAST_SEEN else 1.0
-
 
 def evidence_beside_laws(
     problem: Problem,
@@ -58,9 +34,12 @@ def evidence_beside_laws(
     theta: FloatArray,
     hypothesis: Hypothesis,
     others: Sequence[Hypothesis],
-    nuisance: FloatArray,
 ) -> tuple[float, float]:
-    """Log Bayes factors of a hypothesis by its sensitivities: beside exact laws, and beside laws that are off."""
+    """Log Bayes factors of a hypothesis by its sensitivities: beside exact laws, and beside laws that are off.
+
+    ``theta`` (p,) is the fit with the hypothesis and the others.
+    """
+    nuisance = ratios(problem, others)
     known = problem.quadratic(linearisation, problem.rows(theta), theta)
     errors = _errors(problem, theta, others)
     information, score = _with_errors(problem, linearisation, theta, known, errors)

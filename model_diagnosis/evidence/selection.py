@@ -14,7 +14,7 @@ from model_diagnosis.evidence.checks import LeaveOneOut, effective_bic, leave_on
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.form_heat import OwnDirection, own_direction
 from model_diagnosis.evidence.hypotheses import Hypothesis
-from model_diagnosis.evidence.law_errors import LAW_SHARE, share_beside_laws
+from model_diagnosis.evidence.law_errors import LAW_SHARE, evidence_beside_laws
 from model_diagnosis.evidence.quadratic import Quadratic
 from model_diagnosis.evidence.search import Candidate, Refit, Search, Stage, ratios
 
@@ -24,6 +24,9 @@ MAXIMUM_EFFECTS = 3
 SWAPS_TRIED = 2
 SWAP_GAIN = 1.0
 """Log evidence that a swap has to gain: a fit by chords ends some units of cost, twice as many, above its minimum."""
+
+LEAST_SEEN = 1.0
+"""Log evidence by sensitivities below which they tell nothing."""
 
 LATER_SHARE = 0.01
 """Share of the first cause's evidence that a further one needs: the law of an effect is right to a tenth of its size,
@@ -202,10 +205,11 @@ class Selector:
         self, hypothesis: Hypothesis, before: Sequence[Hypothesis], fit: Fit, linearisation: Linearisation
     ) -> float:
         """Share of its evidence that the laws of those accepted before leave; an approximate law stands for itself."""
-        if not self.is_exact:
+        if not self.is_exact or not before or hypothesis.value is not None:
             return 1.0
-        nuisance = ratios(self.problem, before)
-        return share_beside_laws(self.problem, linearisation, fit.theta, hypothesis, before, nuisance)
+        exact, left = evidence_beside_laws(self.problem, linearisation, fit.theta, hypothesis, before)
+        # sensitivities see little of what acts in pulses: they cannot tell what the laws take of it
+        return float(np.clip(left / exact, 0.0, 1.0)) if exact > LEAST_SEEN else 1.0
 
     def _polish(self, fit: Fit) -> tuple[Fit, Linearisation]:
         """Fresh sensitivities at the accepted solution and the fit with them."""

@@ -82,7 +82,7 @@ _NUMBERS = (
     "pitch_pole",  # share of the way from the centre of gravity to the springs' centre about which the body pitches
     "guide_lean",  # share of the body's lean that turns the wheels' guides
     "lag_on_force",  # share of the relaxation lengths along which the force follows, not the slip
-    "steering_link",  # share of each front wheel's aligning moment by which both wheels yield alike
+    "steering_link",  # share of the way from each front wheel's own aligning moment to their mean, to which it yields
     "trail_bulge",  # how much longer the trail stays than along a straight line to the peak
     "trail_across",  # share by which the slip across alone shortens the trail, and not the whole slip
     "roll_weight_arm",  # m, beyond the height over the wheels' axes

@@ -23,7 +23,7 @@ _COASTING_NM = 1.0
 def steer_wheels(p: Record, s: Record, step: float) -> None:
     """Angles of the road wheels: linkage, compliance under the aligning moment, toe."""
     angle = s.steer * p.steering_scale
-    across = 0.5 * (s.aligning[0] - s.aligning[1]) * p.steering_link
+    common = 0.5 * (s.aligning[0] + s.aligning[1])
     for i in range(2):
         wanted = angle + p.steering_offset + p.toe[i]
         if p.ackermann != 0.0:
@@ -33,7 +33,7 @@ def steer_wheels(p: Record, s: Record, step: float) -> None:
             wanted += p.ackermann * (full - angle)
         # the linkage holds the tyre's moment and turns the spinning wheel with the body's roll
         turned = p.guide_lean * s.mid_roll_rate * p.spin_inertia[i] * s.spin[i]
-        moment = s.aligning[i] - (across if i == 0 else -across)
+        moment = s.aligning[i] + p.steering_link * (common - s.aligning[i])
         wanted += (moment - turned) / p.steering_stiffness
         share = step / (2.0 * p.steering_lag + step)
         mean = s.angle[i] + share * (wanted - s.angle[i])

@@ -79,7 +79,7 @@ def test_evidence_beside_errors_of_a_law_is_that_of_all_rows_together(seed: int)
         density(wide, nothing) - density(nuisance, nothing),
         density(wide, covariance_of_errors) - density(nuisance, covariance_of_errors),
     )
-    found = evidence_beside_laws(problem, at, theta, tight, (strong,), nuisance)
+    found = evidence_beside_laws(problem, at, theta, tight, (strong,))
     assert found == pytest.approx(expected, rel=1e-6)
     assert found[1] < found[0] - 1.0
 
