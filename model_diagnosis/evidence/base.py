@@ -66,8 +66,8 @@ class Base:
 def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = None) -> Base:
     """Fit base and saturated model, the latter from two starts, and whiten by what the saturated one leaves.
 
-    Five to seven sweeps of sensitivities: at neutral for each form (up to three more of each where both come near), at the
-    base fit, at the saturated fit, and at the base fit again until it has converged.
+    Five to seven sweeps of sensitivities: at neutral for each form (up to three more of each where both come near), at
+    the base fit, at the saturated fit, and at the base fit again until it has converged.
     """
     tell = progress or (lambda _step, _share: None)
     tell("sensitivities at the vehicle file", 0.0)
