@@ -1,19 +1,23 @@
-"""Write docs/challenge_limits.md: the size from which each effect is seen, theory beside measurement.
+"""Write what the challenge's published scores say: ``python docs/generate_challenge.py``.
 
-python docs/generate_challenge.py [SCORE.json ...]       # score.json of runs of `bench diagnose challenge --out DIR`
+docs/challenge_scores/*.json are ``score.json`` of runs of `bench diagnose challenge --out DIR` at seeds of the table.
+docs/challenge_figures.md: all figures over them; docs/challenge_limits.md: the size from which each effect is seen.
 """
 
 import json
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs/challenge_limits.md"
+sys.path.insert(0, str(ROOT))
+SCORES = ROOT / "docs/challenge_scores"
+LIMITS, FIGURES = ROOT / "docs/challenge_limits.md", ROOT / "docs/challenge_figures.md"
 
-HEAD = """# Sizes from which effects are seen
+LIMITS_HEAD = """# Sizes from which effects are seen
 
 Made by `python docs/generate_challenge.py`. Sizes are in nominal scatters. *Theory*: linear test on the generator's own
 model in the six shipped manoeuvres, evidence of 8 needed, form errors counted as half of each sensor's noise correlated
@@ -26,7 +30,7 @@ A steering linkage 55 % softer yields 2.2 times as much: its limit in small step
 """
 
 
-def page(limits: Sequence[dict[str, Any]], scores: Sequence[dict[str, Any]]) -> str:
+def limits_page(limits: Sequence[dict[str, Any]], scores: Sequence[dict[str, Any]]) -> str:
     """The page for a table of limits and the scored runs."""
     lines = []
     for row in limits:
@@ -38,20 +42,57 @@ def page(limits: Sequence[dict[str, Any]], scores: Sequence[dict[str, Any]]) -> 
             f"| `{row['effect']}` | {scatter} | {row['limit']:.1f} | {row['smallest']:g} … {row['largest']:g} "
             f"| {_text(smallest)} | {_text(largest)} | {sum(s['cases'] for s in seen)} |"
         )
-    return HEAD + "\n".join(lines) + "\n"
+    return LIMITS_HEAD + "\n".join(lines) + "\n"
 
 
 def _text(value: float | None) -> str:
     return "–" if value is None else f"{value:.1f}"
 
 
-def main(score_files: Sequence[str]) -> None:
-    """Ask the generator for the theory, read the scores, write the page."""
+FIGURES_HEAD = """# Figures of the blind challenge
+
+Made by `python docs/generate_challenge.py` from `docs/challenge_scores/`, all of code `{code}`; what each figure means:
+[challenge.md](challenge.md). Seeds and looks: {looks}.
+
+| Figure | Required | Found | 95 % interval | Cases | |
+|---|---|---|---|---|---|
+"""
+
+
+def figures_page(files: Sequence[Path]) -> str:
+    """The page of figures over these scores."""
+    from bench.challenge.merging import merged_cases, merged_figures, read_score
+    from bench.challenge.printing import table_row
+
+    scores = {file: read_score(file) for file in files}
+    cases, figures = merged_cases(scores), merged_figures(files)
+    looks = "; ".join(
+        f"{score['seed']} ({score['family'] or 'mixture'}, {score['n']}, {score['generator']} generator)"
+        for score in scores.values()
+    )
+    code = next(iter(scores.values()))["code"]
+    lines = [FIGURES_HEAD.format(code=code, looks=f"{len(scores)}: {looks}").rstrip()]
+    lines += [table_row(figure) for figure in figures.shares if figure.count]
+    counted = Counter(case.family for case in cases)
+    lines += ["", "Cases: " + ", ".join(f"{name} {count}" for name, count in sorted(counted.items())) + "."]
+    lines += ["", "## Hidden and answered", "", "| Hidden | Answered |", "|---|---|"]
+    for hidden, answers in figures.confusion.items():
+        lines.append(f"| {hidden} | " + ", ".join(f"{name} {count}" for name, count in answers.items()) + " |")
+    lines += ["", "## Reliability of stated probabilities", "", "| Stated | Right | Statements |", "|---|---|---|"]
+    lines += [f"| {part.stated:.2f} | {part.right:.2f} | {part.count} |" for part in figures.bins]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Ask the generator for the theory, read the scores, write the pages."""
+    files = sorted(SCORES.glob("*.json"))
     words = [sys.executable, str(ROOT / "tests/blind/generate.py"), "limits"]
     limits = json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
-    scores = [json.loads(Path(file).read_text(encoding="utf-8")) for file in score_files]
-    PAGE.write_text(page(limits, scores), encoding="utf-8")
+    scores = [json.loads(file.read_text(encoding="utf-8")) for file in files]
+    LIMITS.write_text(limits_page(limits, scores), encoding="utf-8")
+    if files:
+        FIGURES.write_text(figures_page(files), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

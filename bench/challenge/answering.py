@@ -9,6 +9,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from bench.challenge.code_digest import code_digest
 from bench.execution.worker import initialise
 
 _THREAD_SETTINGS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -19,7 +20,7 @@ def answer_case(case: Path) -> dict[str, Any]:
     from model_diagnosis.diagnosis import diagnose
     from signals.errors import BenchError
 
-    began = time.perf_counter()
+    code, began = code_digest(), time.perf_counter()
     try:
         findings = diagnose(
             logs_in(case / "logs"),
@@ -28,9 +29,10 @@ def answer_case(case: Path) -> dict[str, Any]:
             hold_out=logs_in(case / "held_out"),
         )
     except BenchError as error:
-        return {"error": str(error), "seconds": time.perf_counter() - began}
+        return {"error": str(error), "seconds": time.perf_counter() - began, "code": code}
     found = findings.diagnosis.model_dump(mode="json")
-    return {"diagnosis": found, "linear": dict(findings.evidence), "seconds": time.perf_counter() - began}
+    seconds = time.perf_counter() - began
+    return {"diagnosis": found, "linear": dict(findings.evidence), "seconds": seconds, "code": code}
 
 
 def logs_in(folder: Path) -> list[Path]:
@@ -67,7 +69,7 @@ def _answer_to_file(case: str, answer: str) -> None:
     try:
         content = answer_case(Path(case))
     except Exception as error:  # a defect of the tool is a wrong answer, and must not end the challenge
-        content = {"error": f"{type(error).__name__}: {error}", "defect": True}
+        content = {"error": f"{type(error).__name__}: {error}", "defect": True, "code": code_digest()}
     part = Path(f"{answer}.part")
     part.write_text(json.dumps(content, indent=1), encoding="utf-8")
     part.replace(answer)

@@ -38,6 +38,16 @@ def _line(figure: Figure) -> str:
     return f"  {figure.name:<42} {value:>8} {interval:<15} of {figure.count:<5} {required:<24} {mark}".rstrip()
 
 
+def table_row(figure: Figure) -> str:
+    """A figure as a row of a Markdown table: name, required, found, interval, cases, whether it is met."""
+    is_share = figure.low is not None and figure.high is not None
+    value = "–" if figure.value is None else f"{100 * figure.value:.1f} %" if is_share else f"{figure.value:.3g}"
+    interval = f"{100 * (figure.low or 0.0):.1f} … {100 * (figure.high or 0.0):.1f} %" if is_share else ""
+    required = _range(figure, is_share) if figure.required else ""
+    mark = {True: "met", False: "missed", None: ""}[figure.met]
+    return f"| {figure.name} | {required} | {value} | {interval} | {figure.count} | {mark} |"
+
+
 def _range(figure: Figure, is_share: bool) -> str:
     low, high = figure.required or (0.0, 1.0)
     scale, unit = (100.0, " %") if is_share else (1.0, "")

@@ -23,7 +23,7 @@ SCORE_FILE = "score.json"
 
 @dataclass(frozen=True)
 class ChallengeResult:
-    """Scores and figures of a run."""
+    """Scores and figures of a run, and the digest of the code that answered, of several ones joined by +."""
 
     seed: int
     count: int
@@ -32,6 +32,7 @@ class ChallengeResult:
     scores: list[CaseScore]
     figures: Figures
     folder: Path | None
+    code: str
 
     def as_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -40,6 +41,7 @@ class ChallengeResult:
             "n": self.count,
             "family": self.family,
             "generator": self.generator,
+            "code": self.code,
             "figures": [figure.as_json() for figure in self.figures.shares],
             "sizes": {name: asdict(sizes) for name, sizes in self.figures.sizes.items()},
             "confusion": self.figures.confusion,
@@ -115,11 +117,15 @@ class _Run:
         record_answers(self.folder, answers)
         record_look(self.seed, self.count, self.family, self.generator, self.looks)
         labels = [self._label(answers, case) for case in cases]
+        contents = [json.loads(answer.read_text(encoding="utf-8")) for answer in answers]
+        code = "+".join(sorted({content.get("code", "unknown") for content in contents}))
         scores = []
-        for index, (case, label, answer) in enumerate(zip(cases, labels, answers, strict=True)):
+        for index, (case, label, content) in enumerate(zip(cases, labels, contents, strict=True)):
             self._tell(f"score of {case.name}", _ANSWERED + (1.0 - _ANSWERED) * index / self.count)
-            scores.append(self._score(index, case, label, json.loads(answer.read_text(encoding="utf-8"))))
-        result = ChallengeResult(self.seed, self.count, self.family, self.generator, scores, figures_of(scores), kept)
+            scores.append(self._score(index, case, label, content))
+        result = ChallengeResult(
+            self.seed, self.count, self.family, self.generator, scores, figures_of(scores), kept, code
+        )
         (self.folder / SCORE_FILE).write_text(json.dumps(result.as_json(), indent=1), encoding="utf-8")
         return result
 

@@ -1,0 +1,60 @@
+"""Scores of several runs as one: what a table over hundreds of cases needs days for is run in parts."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from bench.challenge.figures import Figures, figures_of
+from bench.challenge.scoring import CaseScore
+from signals.errors import InputError
+
+
+def read_score(file: Path) -> dict[str, Any]:
+    """Content of a ``score.json``.
+
+    Raises
+    ------
+    InputError
+        Where it is none.
+    """
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"{file}: cannot be read as JSON", found=str(error)) from None
+    lacking = {"seed", "n", "family", "generator", "code", "cases"} - set(content if isinstance(content, dict) else ())
+    if lacking:
+        raise InputError(f"{file}: no score of a challenge", found=f"no {', '.join(sorted(lacking))}")
+    return dict(content)
+
+
+def merged_cases(scores: Mapping[Path, Mapping[str, Any]]) -> list[CaseScore]:
+    """Cases of all scores together.
+
+    Raises
+    ------
+    InputError
+        Where two scores are of the same seed, family and generator, or of different code.
+    """
+    runs: dict[tuple[object, ...], Path] = {}
+    codes: dict[str, Path] = {}
+    for file, score in scores.items():
+        run = score["seed"], score["family"], score["generator"]
+        if run in runs:
+            raise InputError(f"{file}: the same run as {runs[run]}", mend="give each score once")
+        runs[run] = file
+        codes.setdefault(score["code"], file)
+    if len(codes) > 1:
+        found = ", ".join(f"{code} in {file}" for code, file in codes.items())
+        raise InputError("scores of different code", found=found, mend="run the parts again with one version")
+    return [_case(one) for score in scores.values() for one in score["cases"]]
+
+
+def merged_figures(files: Sequence[Path]) -> Figures:
+    """Figures over the cases of several ``score.json``."""
+    return figures_of(merged_cases({file: read_score(file) for file in files}))
+
+
+def _case(plain: Mapping[str, Any]) -> CaseScore:
+    stated = [(float(probability), bool(right)) for probability, right in plain["stated"]]
+    return CaseScore(**{**plain, "stated": stated})
