@@ -1,6 +1,6 @@
 """What a set of deviations makes of a manoeuvre, in two parts that most deviations do not share."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +26,11 @@ class Parts:
     pressures: FloatArray | None
 
 
-def selected(deviations: Mapping[str, float], acts: Callable[[str], bool]) -> Key:
-    """Deviations of the columns that act somewhere, to compare; the same ones in the same order."""
-    return tuple([(column, value) for column, value in deviations.items() if value != 0.0 and acts(column)])
+def selected(deviations: Mapping[str, float], columns: Container[str]) -> Key:
+    """Deviations of these columns, to compare; the same ones in the same order."""
+    return tuple([(column, value) for column, value in deviations.items() if column in columns and value != 0.0])
+
+
+def without(deviations: Mapping[str, float], columns: Container[str]) -> Key:
+    """Deviations of all other columns, to compare; the same ones in the same order."""
+    return tuple([(column, value) for column, value in deviations.items() if column not in columns and value != 0.0])

@@ -107,13 +107,13 @@ class Prepared:
 
     def drives(self, column: str) -> bool:
         """True if a deviation changes what drives the replay: of a sensor, or of the car where inputs are inferred."""
-        if column in PRESSURE_COLUMNS:
-            return True
-        return self._infers_inputs and (column in ACCELERATION_COLUMNS or column in RECORD_COLUMNS)
+        return column in self.driving_columns
 
     @cached_property
-    def _infers_inputs(self) -> bool:
-        return bool(self.inputs.inferred.any())
+    def driving_columns(self) -> frozenset[str]:
+        """Columns that ``drives`` is true of."""
+        inferred = (*ACCELERATION_COLUMNS, *RECORD_COLUMNS) if self.inputs.inferred.any() else ()
+        return frozenset((*PRESSURE_COLUMNS, *inferred))
 
     def corrected_at(self, deviations: Mapping[str, float]) -> FloatArray:
         """Signals that the observer corrects on, freed of what the sensors' effects put on them."""

@@ -28,7 +28,7 @@ from model_diagnosis.replay.hydraulic import (
 from model_diagnosis.replay.inputs import read_inputs, with_pressures
 from model_diagnosis.replay.nominal import nominal_car
 from model_diagnosis.replay.parameters import values_of
-from model_diagnosis.replay.parts import Parts, selected
+from model_diagnosis.replay.parts import Key, Parts, selected, without
 from model_diagnosis.replay.prepared import PRESSURES, Prepared, prepare
 from model_diagnosis.replay.record import OUTPUTS, SHOWN_STATES
 from model_diagnosis.replay.sensors import own_noise
@@ -105,6 +105,7 @@ class Replay(ReplayBase):
         carried = tuple(effect for effect in effects if effect.application in _REPLAYED)
         columns = Columns.of(carried, values_of(vehicle), vehicle.scatter, len(manoeuvres) if conditions else 0)
         super().__init__(vehicle, manoeuvres, columns, nominal_car(vehicle), threads)
+        self._of_pressures = frozenset(filter(acts_on_pressures, columns.names))
         self.pressures = WheelPressures(vehicle)
         self.gains = np.array([*_GAINS, _DEAD_BAND * own_noise(vehicle, "wheel_speed_fl")])
         nominal = self._record_at({})[0]
@@ -115,6 +116,7 @@ class Replay(ReplayBase):
             self.parameters = without_steps(self.parameters, self.columns)
         # fits change what acts on the pressures and what does not in turn
         self._known = [deque[Parts](maxlen=_PARTS_KEPT) for _ in self.prepared]
+        self._inputs = [deque[tuple[Key, FloatArray]](maxlen=_PARTS_KEPT) for _ in self.prepared]
 
     def with_terms(self, terms: Sequence[TermCourse]) -> "Replay":
         """The same with columns of these terms behind all others."""
@@ -170,11 +172,23 @@ class Replay(ReplayBase):
         self, deviations: Mapping[str, float], prepared: Prepared, pressures: FloatArray | None
     ) -> FloatArray:
         """Inputs of the car: as measured, freed of their sensors' effects, or the pressures of the hydraulic unit."""
-        manoeuvre = prepared.manoeuvre
-        by_unit = {} if pressures is None or prepared.pressure_known else dict(zip(PRESSURES, pressures.T, strict=True))
-        if not by_unit and not any(prepared.drives(column) for column in deviations):
+        if pressures is not None and not prepared.pressure_known:
+            return self._inputs_by(deviations, prepared, dict(zip(PRESSURES, pressures.T, strict=True)))
+        key = selected(deviations, prepared.driving_columns)
+        if not key:
             return prepared.inputs.values
-        channels = true_inputs(deviations, manoeuvre.time, prepared.driving) | by_unit
+        known = self._inputs[prepared.number]
+        values = next((values for made_with, values in tuple(known) if made_with == key), None)
+        if values is None:
+            values = self._inputs_by(deviations, prepared, {})
+            known.append((key, values))
+        return values
+
+    def _inputs_by(
+        self, deviations: Mapping[str, float], prepared: Prepared, by_unit: Mapping[str, FloatArray]
+    ) -> FloatArray:
+        manoeuvre = prepared.manoeuvre
+        channels = {**true_inputs(deviations, manoeuvre.time, prepared.driving), **by_unit}
         if prepared.inputs.forces_measured:
             return with_pressures(prepared.inputs, channels)
         return read_inputs(manoeuvre, channels, self.vehicle, self._record_at(deviations)[0]).values
@@ -210,9 +224,9 @@ class Replay(ReplayBase):
         known: Iterable[Parts] = (),
     ) -> Parts:
         """Both parts of a prediction; those that the deviations leave as in a ``known`` one are taken from it."""
-        pressure_key = selected(deviations, acts_on_pressures)
+        pressure_key = selected(deviations, self._of_pressures)
         by_pressure = not prepared.pressure_known and prepared.hydraulics is not None
-        car_key = selected(deviations, lambda column: by_pressure or column not in HYDRAULIC_COLUMNS)
+        car_key = without(deviations, () if by_pressure else HYDRAULIC_COLUMNS)
         same = next((one for one in known if one.pressure_key == pressure_key), None)
         pressures = same.pressures if same else self.pressures.at(deviations, prepared, free=not gains.any())
         same = next((one for one in known if one.car_key == car_key), None)
