@@ -205,10 +205,11 @@ class _Pipeline:
         unknown = self._unknown(base, selector, selection, needed)
         self.clock.begin("answer")
         chords, starts = (base.at_nothing, base.at_saturated), (selection.fit.theta, base.saturated.theta)
-        wrong = compare(base.problem, selection.nothing, chords, starts)
         found = unknown.evidence if unknown else sum(one.evidence for one in selection.accepted)
         accepted = [self.replay.effects[one.hypothesis.effect] for one in selection.accepted]
-        is_wrong = wrong.beats(found, selection.left if not unknown and are_of_the_car(accepted) else 0.0)
+        left = selection.left if not unknown and are_of_the_car(accepted) else 0.0
+        wrong = compare(base.problem, selection.nothing, chords, starts, found - left)
+        is_wrong = wrong.beats(found, left)
         details = [] if is_wrong or unknown else self._causes(search, selection)
         shown = excitation(base.problem, base.at_nothing.information, needed)
         self.clock.begin("plan")

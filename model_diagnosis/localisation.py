@@ -1,7 +1,7 @@
 """Where the model breaks: both views of the violated equations for one diagnosis, and whether a cause acts there."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from model_diagnosis.effects.effect import Effect, Group
 from model_diagnosis.evidence.base import Base
+from model_diagnosis.evidence.fitting import Problem
 from model_diagnosis.evidence.localise import EquationErrors, violated_by_innovations, violated_equations
 from model_diagnosis.evidence.priors import NUISANCE_FLOOR, Priors
+from model_diagnosis.evidence.whitening import fit_whitener
 from model_diagnosis.replay import Replay
 from model_diagnosis.replay.disturbances import UNITS, disturbance_answers, equation_forces
 from model_diagnosis.replay.equations import errors_of
@@ -67,8 +69,9 @@ def localise(replay: Replay, base: Base, theta: FloatArray, seed: int = 0) -> Lo
     temperature, manoeuvres = base.problem.whitener.temperature, range(len(replay.manoeuvres))
     priors = base.problem.priors
     near = _within(priors, theta, _NEAR_STD)
+    problem = _resharpened(base)
     innovations = violated_by_innovations(
-        base.problem, base.problem.linearise(near), near, partial(disturbance_answers, replay, near)
+        problem, problem.linearise(near), near, partial(disturbance_answers, replay, near)
     )
     ordinary = _within(priors, theta, _SCATTER_STD)
     draws = _scattered(priors, np.random.default_rng(seed))
@@ -80,6 +83,17 @@ def localise(replay: Replay, base: Base, theta: FloatArray, seed: int = 0) -> Lo
             for name, one in innovations.items()
         },
     )
+
+
+def _resharpened(base: Base) -> Problem:
+    """The problem with the whitening of what the saturated fit leaves in the end.
+
+    The search's is from before its last sensitivities: broader by what they gained, which keeps form errors from being
+    effects there, but hides which equation is violated.
+    """
+    problem = base.problem
+    whitener = fit_whitener(problem.replay, problem.replay.residuals(base.saturated.theta))
+    return replace(problem, whitener=replace(whitener, temperature=problem.whitener.temperature))
 
 
 def _within(priors: Priors, theta: FloatArray, std: float) -> FloatArray:

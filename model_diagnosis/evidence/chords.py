@@ -1,6 +1,7 @@
 """Sensitivities of a fit: those of one point, mended by what its steps did."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,34 @@ FloatArray = NDArray[np.float64]
 
 FORESEEN = 0.1
 """Share of what a step should have done to the residuals by which it may do otherwise without teaching anything."""
+
+
+@dataclass(frozen=True)
+class ShortMatrix:
+    """Sensitivities of one manoeuvre with seven digits, more than a finite difference has, where they are any.
+
+    Attributes
+    ----------
+    columns : (q,) of those that act in this manoeuvre
+    values : (N_m, q)
+    """
+
+    columns: NDArray[np.int64]
+    values: NDArray[np.float32]
+
+    @classmethod
+    def of(cls, matrix: FloatArray) -> "ShortMatrix":
+        """The columns of a matrix (N_m, p) that are not 0 throughout."""
+        columns = np.flatnonzero(matrix.any(axis=0))
+        return cls(columns, matrix[:, columns].astype(np.float32))
+
+    def slope(self, row: FloatArray) -> NDArray[np.float32]:
+        """J'r (q,) of a row (N_m,)."""
+        return row.astype(np.float32) @ self.values
+
+    def change(self, step: FloatArray) -> FloatArray:
+        """J s (N_m,) of a step (p,)."""
+        return (self.values @ step[self.columns].astype(np.float32)).astype(np.float64)
 
 
 class Chords:
@@ -33,7 +62,7 @@ class Chords:
 
     def __init__(
         self,
-        matrices: Sequence[NDArray[np.float32]],
+        matrices: Sequence[ShortMatrix],
         weights: Sequence[FloatArray],
         information: FloatArray,
         precision: FloatArray,
@@ -48,7 +77,7 @@ class Chords:
         """J'r / temperature (p,) of weighted residuals (N_m,) per manoeuvre."""
         total = np.zeros(len(self.curvature))
         for matrix, row in zip(self._matrices, weighted, strict=True):
-            total += row.astype(np.float32) @ matrix
+            total[matrix.columns] += matrix.slope(row)
         for missed, along in zip(self._missed, self._along, strict=True):
             total = total + along * sum(float(u @ row) for u, row in zip(missed, weighted, strict=True))
         return total / self._temperature
@@ -74,8 +103,7 @@ class Chords:
 
     def _change(self, step: FloatArray) -> list[FloatArray]:
         """J s (N_m,) per manoeuvre."""
-        short = step.astype(np.float32)
-        change = [(matrix @ short).astype(np.float64) for matrix in self._matrices]
+        change = [matrix.change(step) for matrix in self._matrices]
         for missed, along in zip(self._missed, self._along, strict=True):
             share = float(along @ step)
             change = [one + share * u for one, u in zip(change, missed, strict=True)]

@@ -11,11 +11,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.evidence.chords import Chords
+from model_diagnosis.evidence.chords import Chords, ShortMatrix
 from model_diagnosis.evidence.descent import Descent, unsettled
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.replay_model import ReplayModel
+from model_diagnosis.evidence.side_by_side import side_by_side
 from model_diagnosis.evidence.whitening import Whitener, huber_loss, huber_weights
 from model_diagnosis.replay.hydraulic import acts_on_pressures
 
@@ -49,9 +50,9 @@ class Linearisation:
     informations: tuple[FloatArray, ...]
 
     @cached_property
-    def short(self) -> tuple[NDArray[np.float32], ...]:
-        """The matrices with seven digits, more than a finite difference has: reading them is what a slope costs."""
-        return tuple(matrix.astype(np.float32) for matrix in self.matrices)
+    def short(self) -> tuple[ShortMatrix, ...]:
+        """The matrices for slopes, whose cost is to read them."""
+        return tuple(ShortMatrix.of(matrix) for matrix in self.matrices)
 
     @property
     def information(self) -> FloatArray:
@@ -145,13 +146,12 @@ class Problem:
         self, linearisation: Linearisation, rows: Sequence[FloatArray], theta: FloatArray
     ) -> list[Quadratic]:
         """Log likelihood of each manoeuvre around theta, with the sensitivities of ``linearisation``."""
-        scaled = self.scaled(theta)
-        return [
-            Quadratic(
-                information, matrix.T @ (huber_weights(row) * row) / self.whitener.temperature + information @ scaled
-            )
-            for information, matrix, row in zip(linearisation.informations, linearisation.matrices, rows, strict=True)
-        ]
+        scaled, found = self.scaled(theta), []
+        for information, matrix, row in zip(linearisation.informations, linearisation.short, rows, strict=True):
+            slope = np.zeros(len(scaled))
+            slope[matrix.columns] = matrix.slope(huber_weights(row) * row)
+            found.append(Quadratic(information, slope / self.whitener.temperature + information @ scaled))
+        return found
 
     def quadratic(self, linearisation: Linearisation, rows: Sequence[FloatArray], theta: FloatArray) -> Quadratic:
         """Log likelihood of all manoeuvres around theta."""
@@ -205,7 +205,11 @@ class Problem:
         return np.where(unsettled(gradient, step, self._parts, COST_TOLERANCE), step, 0.0)
 
     def _informations(self, matrices: Sequence[FloatArray], weights: Sequence[FloatArray]) -> tuple[FloatArray, ...]:
-        return tuple(
-            (matrix * weight[:, None]).T @ matrix / self.whitener.temperature
-            for matrix, weight in zip(matrices, weights, strict=True)
-        )
+        def of(m: int) -> FloatArray:
+            columns = np.flatnonzero(matrices[m].any(axis=0))
+            acting = matrices[m][:, columns]
+            information = np.zeros((matrices[m].shape[1],) * 2)
+            information[np.ix_(columns, columns)] = (acting * weights[m][:, None]).T @ acting
+            return information / self.whitener.temperature
+
+        return tuple(side_by_side(of, len(matrices)))

@@ -10,7 +10,7 @@ autoregression with an exogenous input), so that the innovations of different si
 linear and causal, so residuals and sensitivities pass through it alike.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -21,6 +21,8 @@ from scipy.signal import lfilter
 from scipy.sparse import csr_array
 
 from model_diagnosis.evidence.replay_model import ReplayModel
+from model_diagnosis.evidence.side_by_side import side_by_side
+from model_diagnosis.evidence.whiten_kernel import whiten
 from model_diagnosis.replay.gaps import GAP_STEPS, ends_of_gaps, pieces_of
 from model_diagnosis.replay.smoothing import noise_of
 from signals.wheels import WHEELS
@@ -44,6 +46,8 @@ TEMPERATURE_BLOCK_SAMPLES = 50
 INFLATION_BLOCKS_SAMPLES = (20, 50)
 LOCAL_VARIANCES = 10
 LOCAL_VARIANCE_ALLOWANCE = 1.5
+
+NO_SUMS, NO_COEFFICIENTS = np.zeros((0, 0, 0)), np.zeros(0)
 
 
 @dataclass(frozen=True)
@@ -107,15 +111,17 @@ class SignalFilter:
 
     def apply(self, values: FloatArray, memory: FloatArray | None = None) -> FloatArray:
         """Whiten (n, …) samples of this signal: (rows, …) innovations in units of sigma; ``memory`` (n, k, …)."""
-        valid = values[self.samples]
-        white = valid[self.rows]
-        for lag, coefficient in enumerate(self.coefficients, start=1):
-            white -= coefficient * valid[self.rows - lag]
-        if memory is not None:
-            for state, coefficient in enumerate(self.of_memory):
-                white -= coefficient * memory[self.samples[self.rows], state]
-        white /= self.sigma
-        return white
+        shape = values.shape[1:]
+        count = int(np.prod(shape))
+        white = np.empty((len(self.rows), count))
+        sums = NO_SUMS if memory is None else memory.reshape(len(memory), -1, count)
+        self.apply_to(values.reshape(len(values), 1, count), 0, sums, white)
+        return white.reshape(len(self.rows), *shape)
+
+    def apply_to(self, values: FloatArray, column: int, sums: FloatArray, out: FloatArray) -> None:
+        """Whiten a column of (n, c, p) values into ``out`` (rows, p); ``sums`` (n, k, p) are the memory's."""
+        of_memory = self.of_memory if len(sums) else NO_COEFFICIENTS
+        whiten(values, column, self.samples, self.rows, self.coefficients, sums, of_memory, self.sigma, out)
 
 
 def rows_of(samples: IntArray) -> IntArray:
@@ -145,8 +151,14 @@ class Whitener:
         filters = self.filters[m]
         if not filters:
             return np.zeros((0, *values.shape[2:]))
-        memory = self.memories[m].of(values, filters) if self.memories else None
-        return np.concatenate([one.apply(values[:, one.column], memory) for one in filters])
+        shape = values.shape[2:]
+        wide = np.ascontiguousarray(values).reshape(*values.shape[:2], int(np.prod(shape)))
+        sums = self.memories[m].of(wide, filters) if self.memories else NO_SUMS
+        ends = np.cumsum([0, *(len(one.rows) for one in filters)])
+        white = np.empty((ends[-1], wide.shape[2]))
+        for one, begin, end in zip(filters, ends[:-1], ends[1:], strict=True):
+            one.apply_to(wide, one.column, sums, white[begin:end])
+        return white.reshape(ends[-1], *shape)
 
     def residuals(self, residuals: Sequence[FloatArray]) -> list[FloatArray]:
         """Whitened residual (N_m,) of each manoeuvre, its signals one after the other."""
@@ -154,7 +166,7 @@ class Whitener:
 
     def sensitivities(self, sensitivities: Sequence[FloatArray]) -> list[FloatArray]:
         """Whitened sensitivities (N_m, p) of each manoeuvre."""
-        return [self.whitened(m, values) for m, values in enumerate(sensitivities)]
+        return side_by_side(lambda m: self.whitened(m, sensitivities[m]), len(sensitivities))
 
     def blocks(self, samples: int = TEMPERATURE_BLOCK_SAMPLES) -> list[IntArray]:
         """Number of the block of so many samples (0.5 s) that each whitened row of a manoeuvre belongs to."""
@@ -190,13 +202,29 @@ def fit_whitener(replay: ReplayModel, residuals: Sequence[FloatArray]) -> Whiten
     How long the observer's corrections stay in the predictions differs with what corrects them beside it: of the
     ``LEAKS`` the one that predicts the residuals best is taken.
     """
-    made = [_whitener_with_leak(replay, residuals, leak) for leak in LEAKS]
+    known = sensor_whitener(replay).filters
+    without = [
+        {
+            one.column: fit_signal(one.signal, one.column, one.samples, values[one.samples, one.column], one.sigma)
+            for one in filters
+            if one.signal not in OF_SPEED
+        }
+        for filters, values in zip(known, residuals, strict=True)
+    ]
+    made = [_whitener_with_leak(replay, residuals, leak, known, without) for leak in LEAKS]
     return min(made, key=lambda whitener: whitener.log_sigma())
 
 
-def _whitener_with_leak(replay: ReplayModel, residuals: Sequence[FloatArray], leak: float) -> Whitener:
+def _whitener_with_leak(
+    replay: ReplayModel,
+    residuals: Sequence[FloatArray],
+    leak: float,
+    sensors: Sequence[Sequence[SignalFilter]],
+    without: Sequence[Mapping[int, SignalFilter]],
+) -> Whitener:
+    """Whitener with one leak; ``without`` are the filters, by column, of signals that have no memory."""
     filters, memories = [], []
-    for m, (known, values) in enumerate(zip(sensor_whitener(replay).filters, residuals, strict=True)):
+    for m, (known, values) in enumerate(zip(sensors, residuals, strict=True)):
         begins = tuple(ends_of_gaps(replay.manoeuvres[m]).tolist())
         memory = Memory(replay.corrections(m), leak, begins)
         sums, lacking = memory.of(values, known), np.zeros(values.shape[1])
@@ -205,13 +233,14 @@ def _whitener_with_leak(replay: ReplayModel, residuals: Sequence[FloatArray], le
         of_memory = memory.variance(lacking)
         filters.append(
             tuple(
-                fit_signal(
+                without[m].get(one.column)
+                or fit_signal(
                     one.signal,
                     one.column,
                     one.samples,
                     values[one.samples, one.column],
                     one.sigma,
-                    sums[one.samples] if one.signal in OF_SPEED else None,
+                    sums[one.samples],
                     of_memory,
                 )
                 for one in known

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from model_diagnosis.evidence.chords import Chords
+from model_diagnosis.evidence.chords import Chords, ShortMatrix
 from model_diagnosis.evidence.descent import Descent
 
 FloatArray = NDArray[np.float64]
@@ -17,8 +17,19 @@ def _chords(seed: int) -> tuple[Chords, list[FloatArray], list[FloatArray], Floa
     weights = [random.uniform(0.3, 1.0, rows) for rows in ROWS]
     precision = random.uniform(0.5, 2.0, COLUMNS)
     information = sum((matrix * weight[:, None]).T @ matrix for matrix, weight in zip(matrices, weights, strict=True))
-    short = [matrix.astype(np.float32) for matrix in matrices]
+    short = [ShortMatrix.of(matrix) for matrix in matrices]
     return Chords(short, weights, information / 2.0, precision, 2.0), matrices, weights, precision
+
+
+def test_columns_that_act_nowhere_are_left_out_of_slopes_and_changes() -> None:
+    random = np.random.default_rng(9)
+    matrix = random.standard_normal((30, COLUMNS)) * np.array([1.0, 0.0, 1.0, 1.0, 0.0])
+    short, row, step = ShortMatrix.of(matrix), random.standard_normal(30), random.standard_normal(COLUMNS)
+    assert short.values.shape == (30, 3)
+    slope = np.zeros(COLUMNS)
+    slope[short.columns] = short.slope(row)
+    np.testing.assert_allclose(slope, matrix.T @ row, rtol=1e-5, atol=1e-5)
+    np.testing.assert_allclose(short.change(step), matrix @ step, rtol=1e-5, atol=1e-5)
 
 
 def test_a_step_that_went_as_foreseen_teaches_nothing() -> None:
@@ -66,7 +77,7 @@ def test_a_reciprocal_is_found_from_far_off(learning: bool) -> None:
 
     start = np.array([1.0, 0.0])
     matrix = 30.0 * np.stack([-first, second], axis=1)  # d(prediction)/d(theta) at the start
-    chords = Chords([matrix.astype(np.float32)], [np.ones(80)], matrix.T @ matrix, np.full(2, 1e-9), 1.0)
+    chords = Chords([ShortMatrix.of(matrix)], [np.ones(80)], matrix.T @ matrix, np.full(2, 1e-9), 1.0)
     descent = Descent(
         rows,
         lambda row, theta: float(row[0] @ row[0]),
