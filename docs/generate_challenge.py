@@ -8,12 +8,17 @@ import json
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
+
+from bench.challenge.figures import figures_of  # noqa: E402
+from bench.challenge.merging import merged_cases, read_score  # noqa: E402
+from bench.challenge.printing import table_row  # noqa: E402
+
 SCORES = ROOT / "docs/challenge_scores"
 LIMITS, FIGURES = ROOT / "docs/challenge_limits.md", ROOT / "docs/challenge_figures.md"
 
@@ -59,13 +64,10 @@ Made by `python docs/generate_challenge.py` from `docs/challenge_scores/`, all o
 """
 
 
-def figures_page(files: Sequence[Path]) -> str:
-    """The page of figures over these scores."""
-    from bench.challenge.merging import merged_cases, merged_figures, read_score
-    from bench.challenge.printing import table_row
-
-    scores = {file: read_score(file) for file in files}
-    cases, figures = merged_cases(scores), merged_figures(files)
+def figures_page(scores: Mapping[Path, Mapping[str, Any]]) -> str:
+    """The page of figures over these scores, by file."""
+    cases = merged_cases(scores)
+    figures = figures_of(cases)
     looks = "; ".join(
         f"{score['seed']} ({score['family'] or 'mixture'}, {score['n']}, {score['generator']} generator)"
         for score in scores.values()
@@ -85,13 +87,12 @@ def figures_page(files: Sequence[Path]) -> str:
 
 def main() -> None:
     """Ask the generator for the theory, read the scores, write the pages."""
-    files = sorted(SCORES.glob("*.json"))
+    scores = {file: read_score(file) for file in sorted(SCORES.glob("*.json"))}
     words = [sys.executable, str(ROOT / "tests/blind/generate.py"), "limits"]
     limits = json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
-    scores = [json.loads(file.read_text(encoding="utf-8")) for file in files]
-    LIMITS.write_text(limits_page(limits, scores), encoding="utf-8")
-    if files:
-        FIGURES.write_text(figures_page(files), encoding="utf-8")
+    LIMITS.write_text(limits_page(limits, list(scores.values())), encoding="utf-8")
+    if scores:
+        FIGURES.write_text(figures_page(scores), encoding="utf-8")
 
 
 if __name__ == "__main__":

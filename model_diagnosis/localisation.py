@@ -69,7 +69,7 @@ def localise(replay: Replay, base: Base, theta: FloatArray, seed: int = 0) -> Lo
     temperature, manoeuvres = base.problem.whitener.temperature, range(len(replay.manoeuvres))
     priors = base.problem.priors
     near = _within(priors, theta, _NEAR_STD)
-    problem = _resharpened(base)
+    problem = _with_final_whitening(base)
     innovations = violated_by_innovations(
         problem, problem.linearise(near), near, partial(disturbance_answers, replay, near)
     )
@@ -85,7 +85,7 @@ def localise(replay: Replay, base: Base, theta: FloatArray, seed: int = 0) -> Lo
     )
 
 
-def _resharpened(base: Base) -> Problem:
+def _with_final_whitening(base: Base) -> Problem:
     """The problem with the whitening of what the saturated fit leaves in the end.
 
     The search's is from before its last sensitivities: broader by what they gained, which keeps form errors from being

@@ -7,8 +7,13 @@ change starts an empty cache, and an unchanged tree finds a warm one in every pr
 
 import os
 import sys
+from collections.abc import Sequence
 from importlib.abc import MetaPathFinder
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import hashlib
 
 PACKAGES = (
     "signals",
@@ -22,6 +27,14 @@ PACKAGES = (
 COMPILERS = ("numba", "llvmlite", "numpy", "mujoco")
 
 
+def hash_sources(digest: "hashlib._Hash", root: Path, packages: Sequence[str]) -> None:
+    """Put names and contents of all Python sources of these packages under ``root`` into a digest."""
+    for package in packages:
+        for path in sorted((root / package).rglob("*.py")):
+            digest.update(str(path.relative_to(root)).encode())
+            digest.update(path.read_bytes())
+
+
 def source_hash(root: Path) -> str:
     """Hash of all Python sources of the packages under ``root`` and of the compiler versions."""
     import hashlib
@@ -33,10 +46,7 @@ def source_hash(root: Path) -> str:
             digest.update(f"{name}={version(name)};".encode())
         except PackageNotFoundError:
             digest.update(f"{name}=absent;".encode())
-    for package in PACKAGES:
-        for path in sorted((root / package).rglob("*.py")):
-            digest.update(str(path.relative_to(root)).encode())
-            digest.update(path.read_bytes())
+    hash_sources(digest, root, PACKAGES)
     return digest.hexdigest()[:16]
 
 

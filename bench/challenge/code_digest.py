@@ -4,6 +4,8 @@ import hashlib
 from functools import cache
 from pathlib import Path
 
+from signals.compile_cache import hash_sources
+
 ROOT = Path(__file__).resolve().parents[2]
 DIAGNOSIS = ("model_diagnosis", "vehicle_model", "hydraulics", "signals")
 """Packages that an answer depends on."""
@@ -14,9 +16,6 @@ DIGITS = 16
 @cache
 def code_digest() -> str:
     """First digits of the SHA-256 of all that answers depend on: scores with the same one are of the same code."""
-    whole = hashlib.sha256()
-    for package in DIAGNOSIS:
-        for file in sorted((ROOT / package).rglob("*.py")):
-            whole.update(f"{file.relative_to(ROOT).as_posix()}\n".encode())
-            whole.update(file.read_bytes())
-    return whole.hexdigest()[:DIGITS]
+    digest = hashlib.sha256()
+    hash_sources(digest, ROOT, DIAGNOSIS)
+    return digest.hexdigest()[:DIGITS]

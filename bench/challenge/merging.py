@@ -1,11 +1,10 @@
 """Scores of several runs as one: what a table over hundreds of cases needs days for is run in parts."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from bench.challenge.figures import Figures, figures_of
 from bench.challenge.scoring import CaseScore
 from signals.errors import InputError
 
@@ -34,7 +33,7 @@ def merged_cases(scores: Mapping[Path, Mapping[str, Any]]) -> list[CaseScore]:
     Raises
     ------
     InputError
-        Where two scores are of the same seed, family and generator, or of different code.
+        Where two scores are of the same seed, family and generator, or of different code, or a case is none.
     """
     runs: dict[tuple[object, ...], Path] = {}
     codes: dict[str, Path] = {}
@@ -47,14 +46,14 @@ def merged_cases(scores: Mapping[Path, Mapping[str, Any]]) -> list[CaseScore]:
     if len(codes) > 1:
         found = ", ".join(f"{code} in {file}" for code, file in codes.items())
         raise InputError("scores of different code", found=found, mend="run the parts again with one version")
-    return [_case(one) for score in scores.values() for one in score["cases"]]
+    return [_case(file, one) for file, score in scores.items() for one in score["cases"]]
 
 
-def merged_figures(files: Sequence[Path]) -> Figures:
-    """Figures over the cases of several ``score.json``."""
-    return figures_of(merged_cases({file: read_score(file) for file in files}))
-
-
-def _case(plain: Mapping[str, Any]) -> CaseScore:
-    stated = [(float(probability), bool(right)) for probability, right in plain["stated"]]
-    return CaseScore(**{**plain, "stated": stated})
+def _case(file: Path, plain: Mapping[str, Any]) -> CaseScore:
+    try:
+        stated = [(float(probability), bool(right)) for probability, right in plain["stated"]]
+        return CaseScore(**{**plain, "stated": stated})
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"{file}: a case that no run of this version writes", found=str(error), mend="run it again"
+        ) from None

@@ -7,6 +7,7 @@ from bench.challenge.figures import Figure
 from bench.challenge.intervals import Bin
 from bench.challenge.running import ChallengeResult
 
+_MARKS = {True: "met", False: "MISSED", None: ""}
 _SIZE, _MARGIN = 320, 40
 
 
@@ -30,22 +31,26 @@ def text_of(result: ChallengeResult) -> str:
 def _line(figure: Figure) -> str:
     if figure.value is None:
         return f"  {figure.name:<42} –"
-    is_share = figure.low is not None and figure.high is not None
+    is_share = _is_share(figure)
     value = f"{100 * figure.value:5.1f} %" if is_share else f"{figure.value:7.3g}"
     interval = f"[{100 * (figure.low or 0.0):.1f}, {100 * (figure.high or 0.0):.1f}]" if is_share else ""
-    mark = {True: "met", False: "MISSED", None: ""}[figure.met]
+    mark = _MARKS[figure.met]
     required = f"required {_range(figure, is_share)}" if figure.required else ""
     return f"  {figure.name:<42} {value:>8} {interval:<15} of {figure.count:<5} {required:<24} {mark}".rstrip()
 
 
 def table_row(figure: Figure) -> str:
     """A figure as a row of a Markdown table: name, required, found, interval, cases, whether it is met."""
-    is_share = figure.low is not None and figure.high is not None
+    is_share = _is_share(figure)
     value = "–" if figure.value is None else f"{100 * figure.value:.1f} %" if is_share else f"{figure.value:.3g}"
     interval = f"{100 * (figure.low or 0.0):.1f} … {100 * (figure.high or 0.0):.1f} %" if is_share else ""
     required = _range(figure, is_share) if figure.required else ""
-    mark = {True: "met", False: "missed", None: ""}[figure.met]
+    mark = _MARKS[figure.met]
     return f"| {figure.name} | {required} | {value} | {interval} | {figure.count} | {mark} |"
+
+
+def _is_share(figure: Figure) -> bool:
+    return figure.low is not None and figure.high is not None
 
 
 def _range(figure: Figure, is_share: bool) -> str:

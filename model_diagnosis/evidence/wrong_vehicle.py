@@ -32,9 +32,12 @@ DATA_SHEET = (Group.TYRE, Group.BRAKE, Group.BODY, Group.AERODYNAMICS, Group.STE
 
 PARAMETERS_FAR_OFF = 3
 
-HALF, PROMISED = 0.5, 20.0
-"""Share of being far off from which a number counts in the first fit, and log evidence that fits after it may gain;
-they gained 3 at most in tuning cases, and paid 60 to 85 for the freedom."""
+SUSPICIOUS_SHARE = 0.5
+"""Share of being far off from which a number counts in the first fit."""
+
+LATER_GAIN = 20.0
+"""Log evidence that the fits after the first one may gain: 3 was the most in two tuning cases, and the freedom cost 60
+to 85."""
 
 
 @dataclass(frozen=True)
@@ -118,9 +121,11 @@ def compare(
     usual = widths[WIDENINGS[len(WIDENINGS) // 2]]
     near = min((problem.fit(one, usual, start) for one in linearisations for start in starts), key=_cost)
     off = (near.theta - problem.priors.centre)[columns]
-    suspicious = (np.abs(off) > HALF * FAR_OFF * stated[columns]) & (np.abs(off) > HALF * LEAST_SHARE)
+    suspicious = (np.abs(off) > SUSPICIOUS_SHARE * FAR_OFF * stated[columns]) & (
+        np.abs(off) > SUSPICIOUS_SHARE * LEAST_SHARE
+    )
     count = sum(is_of_data_sheet(problem, int(column)) for column in columns[suspicious])
-    if count < PARAMETERS_FAR_OFF or 0.5 * (nothing.cost - near.cost) + PROMISED < named + MARGIN:
+    if count < PARAMETERS_FAR_OFF or 0.5 * (nothing.cost - near.cost) + LATER_GAIN < named + MARGIN:
         return WrongVehicle(-np.inf, (), ())
     fresh = problem.linearise(near.theta)
     fits = [problem.fit(fresh, widths[factor], near.theta) for factor in WIDENINGS]

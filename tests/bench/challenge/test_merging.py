@@ -1,13 +1,17 @@
 """Scores of runs in parts, put together as one table."""
 
 import json
+import runpy
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from bench.challenge.code_digest import code_digest
-from bench.challenge.merging import merged_figures
+from bench.challenge.figures import figures_of
+from bench.challenge.merging import merged_cases, read_score
 from bench.challenge.printing import table_row
 from bench.challenge.scoring import CaseScore
 from signals.errors import InputError
@@ -24,35 +28,43 @@ def _score(folder: Path, seed: int, alarms: int, count: int, code: str = "abc", 
     return file
 
 
+def _merged(files: Sequence[Path]) -> list[CaseScore]:
+    return merged_cases({file: read_score(file) for file in files})
+
+
+def _pages() -> dict[str, Any]:
+    return runpy.run_path(str(Path(__file__).parents[3] / "docs/generate_challenge.py"))
+
+
 def test_figures_are_those_of_all_cases_together(tmp_path: Path) -> None:
     parts = [_score(tmp_path, 1, 2, 40), _score(tmp_path, 2, 1, 60)]
-    figure = next(one for one in merged_figures(parts).shares if one.name == "false alarms on clean cars")
+    figure = next(one for one in figures_of(_merged(parts)).shares if one.name == "false alarms on clean cars")
     assert (figure.value, figure.count) == (0.03, 100)
     # Wilson's interval of 3 of 100
     assert (figure.low, figure.high) == pytest.approx((0.0103, 0.0845), abs=1e-4)
-    assert table_row(figure) == "| false alarms on clean cars | ≤ 1 % | 3.0 % | 1.0 … 8.5 % | 100 | missed |"
+    assert table_row(figure) == "| false alarms on clean cars | ≤ 1 % | 3.0 % | 1.0 … 8.5 % | 100 | MISSED |"
 
 
 def test_the_same_run_twice_is_refused(tmp_path: Path) -> None:
     twice = [_score(tmp_path, 1, 0, 5), _score(tmp_path.parent, 1, 0, 5)]
     with pytest.raises(InputError, match="the same run"):
-        merged_figures(twice)
+        _merged(twice)
 
 
 def test_scores_of_different_code_are_refused(tmp_path: Path) -> None:
     parts = [_score(tmp_path, 1, 0, 5, "abc"), _score(tmp_path, 2, 0, 5, "def")]
     with pytest.raises(InputError, match="different code"):
-        merged_figures(parts)
+        _merged(parts)
 
 
 def test_what_is_no_score_is_told(tmp_path: Path) -> None:
     file = tmp_path / "other.json"
     file.write_text('{"seed": 1}')
     with pytest.raises(InputError, match="no score of a challenge"):
-        merged_figures([file])
+        _merged([file])
     file.write_text("no JSON")
     with pytest.raises(InputError, match="cannot be read"):
-        merged_figures([file])
+        _merged([file])
 
 
 def test_the_digest_is_of_this_code_and_stays_the_same() -> None:
@@ -60,8 +72,19 @@ def test_the_digest_is_of_this_code_and_stays_the_same() -> None:
     assert code_digest() == code_digest()
 
 
-def test_published_scores_are_of_one_code() -> None:
-    scores = sorted((Path(__file__).parents[3] / "docs/challenge_scores").glob("*.json"))
-    if not scores:
-        pytest.skip("no scores are published yet")
-    assert merged_figures(scores).shares
+def test_the_page_of_figures_says_where_they_come_from(tmp_path: Path) -> None:
+    parts = [_score(tmp_path, 1, 2, 40), _score(tmp_path, 2, 1, 60)]
+    page = _pages()["figures_page"]({file: read_score(file) for file in parts})
+    assert "all of code `abc`" in page
+    assert "2: 1 (clean, 40, first generator); 2 (clean, 60, first generator)" in page
+    assert "| false alarms on clean cars | ≤ 1 % | 3.0 % | 1.0 … 8.5 % | 100 | MISSED |" in page
+    assert "Cases: clean 100." in page
+
+
+def test_a_case_of_another_version_is_told(tmp_path: Path) -> None:
+    file = _score(tmp_path, 1, 0, 1)
+    content = json.loads(file.read_text())
+    content["cases"][0]["unheard_of"] = 1
+    file.write_text(json.dumps(content))
+    with pytest.raises(InputError, match="no run of this version writes"):
+        merged_cases({file: read_score(file)})
