@@ -3,7 +3,7 @@
 import json
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from pathlib import Path
@@ -40,6 +40,22 @@ def logs_in(folder: Path) -> list[Path]:
     return sorted(path for path in folder.iterdir() if path.is_file())
 
 
+def in_workers(function: Callable[..., None], tasks: Sequence[tuple[Any, ...]], jobs: int) -> Iterator[int]:
+    """Call a function with the arguments of each task, in worker processes; numbers of tasks as they are done."""
+    if not tasks:
+        return
+    for name in _THREAD_SETTINGS:  # before the workers start: they read them at import
+        os.environ.setdefault(name, "1")
+    workers = min(jobs, len(tasks))
+    with ProcessPoolExecutor(
+        workers, get_context("spawn"), initializer=initialise, initargs=("",), max_tasks_per_child=25
+    ) as pool:
+        futures = {pool.submit(function, *task): number for number, task in enumerate(tasks)}
+        for future in as_completed(futures):
+            future.result()
+            yield futures[future]
+
+
 def answer_all(
     cases: Sequence[Path], folder: Path, jobs: int, told: Callable[[str, int, int], None] | None = None
 ) -> list[Path]:
@@ -48,20 +64,10 @@ def answer_all(
     answers = [folder / f"{case.name}.json" for case in cases]
     missing = [(case, answer) for case, answer in zip(cases, answers, strict=True) if not answer.is_file()]
     done = len(cases) - len(missing)
-    if not missing:
-        return answers
-    for name in _THREAD_SETTINGS:  # before the workers start: they read them at import
-        os.environ.setdefault(name, "1")
-    workers = min(jobs, len(missing))
-    with ProcessPoolExecutor(
-        workers, get_context("spawn"), initializer=initialise, initargs=("",), max_tasks_per_child=25
-    ) as pool:
-        futures = {pool.submit(_answer_to_file, str(case), str(answer)): case for case, answer in missing}
-        for future in as_completed(futures):
-            future.result()
-            done += 1
-            if told is not None:
-                told(futures[future].name, done, len(cases))
+    for number in in_workers(_answer_to_file, [(str(case), str(answer)) for case, answer in missing], jobs):
+        done += 1
+        if told is not None:
+            told(missing[number][0].name, done, len(cases))
     return answers
 
 
@@ -70,6 +76,11 @@ def _answer_to_file(case: str, answer: str) -> None:
         content = answer_case(Path(case))
     except Exception as error:  # a defect of the tool is a wrong answer, and must not end the challenge
         content = {"error": f"{type(error).__name__}: {error}", "defect": True, "code": code_digest()}
-    part = Path(f"{answer}.part")
+    write_whole(Path(answer), content)
+
+
+def write_whole(file: Path, content: Mapping[str, Any]) -> None:
+    """Write JSON so that a file of this name is whole, whenever the process ends."""
+    part = Path(f"{file}.part")
     part.write_text(json.dumps(content, indent=1), encoding="utf-8")
-    part.replace(answer)
+    part.replace(file)

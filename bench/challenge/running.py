@@ -11,13 +11,14 @@ from bench.challenge.answering import answer_all
 from bench.challenge.figures import Figures, figures_of
 from bench.challenge.generator import FAMILIES, GENERATORS, generate, separate
 from bench.challenge.looks import record_look, refuse_second_look
+from bench.challenge.measuring import Measurement, measure_all
 from bench.challenge.scoring import CaseScore, score_case
-from bench.challenge.seals import open_seal, record_answers
+from bench.challenge.seals import open_seal, record_answers, recorded_answers
 from signals.errors import InputError, unknown_name
 
 Progress = Callable[[str, float], None]
 
-_GENERATED, _ANSWERED = 0.1, 0.9
+_GENERATED, _ANSWERED, _MEASURED = 0.1, 0.7, 0.98
 SCORE_FILE = "score.json"
 
 
@@ -90,7 +91,7 @@ def run_challenge(
         raise unknown_name("generator", generator, GENERATORS)
     if count < 1:
         raise InputError("no cases", found=str(count), allowed="at least 1")
-    refuse_second_look(seed, family, generator, looks)
+    refuse_second_look(seed, family, generator, recorded_answers(out) if out is not None else None, looks)
     if out is None:
         with TemporaryDirectory(prefix="challenge-") as folder:
             run = _Run(Path(folder), seed, count, family, generator, jobs, looks, measure_gain, check_plans, progress)
@@ -114,15 +115,16 @@ class _Run:
     def result(self, kept: Path | None) -> ChallengeResult:
         cases = self._cases()
         answers = answer_all(cases, self.folder / "answers", self.jobs, self._answered)
-        record_answers(self.folder, answers)
-        record_look(self.seed, self.count, self.family, self.generator, self.looks)
+        recorded = record_answers(self.folder, answers)
+        record_look(self.seed, self.count, self.family, self.generator, recorded, self.looks)
         labels = [self._label(answers, case) for case in cases]
         contents = [json.loads(answer.read_text(encoding="utf-8")) for answer in answers]
         code = "+".join(sorted({content.get("code", "unknown") for content in contents}))
+        measured = self._measured(cases, labels, contents)
         scores = []
         for index, (case, label, content) in enumerate(zip(cases, labels, contents, strict=True)):
-            self._tell(f"score of {case.name}", _ANSWERED + (1.0 - _ANSWERED) * index / self.count)
-            scores.append(self._score(index, case, label, content))
+            self._tell(f"score of {case.name}", _MEASURED + (1.0 - _MEASURED) * index / self.count)
+            scores.append(self._score(index, case, label, content, measured.get(case.name, {})))
         result = ChallengeResult(
             self.seed, self.count, self.family, self.generator, scores, figures_of(scores), kept, code
         )
@@ -135,6 +137,29 @@ class _Run:
 
     def _answered(self, name: str, done: int, count: int) -> None:
         self._tell(f"diagnosis of {name}", _GENERATED + (_ANSWERED - _GENERATED) * done / count)
+
+    def _measured(
+        self, cases: list[Path], labels: list[dict[str, Any]], contents: list[dict[str, Any]]
+    ) -> dict[str, dict[str, Any]]:
+        """What needs more fits, of the cases that were answered."""
+        measurements = [
+            Measurement(
+                case,
+                self.folder / "planned" / case.name,
+                self.folder / "measured" / f"{case.name}.json",
+                label,
+                content["diagnosis"],
+                {"seed": self.seed, "index": index, "family": self.family, "generator": self.generator},
+                self.measure_gain,
+                self.check_plans,
+            )
+            for index, (case, label, content) in enumerate(zip(cases, labels, contents, strict=True))
+            if "diagnosis" in content
+        ]
+        return measure_all(measurements, self.jobs, self._measured_one)
+
+    def _measured_one(self, name: str, done: int, count: int) -> None:
+        self._tell(f"gain of {name}", _ANSWERED + (_MEASURED - _ANSWERED) * done / count)
 
     def _cases(self) -> list[Path]:
         cases, sealed = self.folder / "cases", self.folder / "sealed"
@@ -150,31 +175,15 @@ class _Run:
         self._tell("cases", 0.0)
         return generate(cases, sealed, seed=self.seed, count=self.count, family=self.family, generator=self.generator)
 
-    def _separated(self, index: int, case: Path, label: dict[str, Any], diagnosis: dict[str, Any]) -> bool | None:
-        from bench.challenge.planned import separated_by_plan
-
-        return separated_by_plan(
-            self.folder / "planned" / case.name,
-            label,
-            diagnosis,
-            seed=self.seed,
-            index=index,
-            family=self.family,
-            generator=self.generator,
-        )
-
     def _label(self, answers: list[Path], case: Path) -> dict[str, Any]:
         return open_seal(self.folder, answers, case, self.folder / "sealed" / f"{case.name}.json")
 
-    def _score(self, index: int, case: Path, label: dict[str, Any], answer: dict[str, Any]) -> CaseScore:
+    def _score(
+        self, index: int, case: Path, label: dict[str, Any], answer: dict[str, Any], measured: dict[str, Any]
+    ) -> CaseScore:
         def asked(number: int, rivals: Any) -> list[dict[str, float | None]]:
             return separate(rivals, seed=self.seed, index=number, family=self.family, generator=self.generator)
 
         score = score_case(case.name, index, label, answer, asked)
-        if self.measure_gain and "diagnosis" in answer:
-            from bench.challenge.true_gain import gain_share
-
-            score.gain_share = gain_share(case, label, answer["diagnosis"])
-        if self.check_plans and label["family"] == "confounded" and "diagnosis" in answer:
-            score.separated = self._separated(index, case, label, answer["diagnosis"])
+        score.gain_share, score.separated = measured.get("gain_share"), measured.get("separated")
         return score

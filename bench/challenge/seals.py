@@ -22,11 +22,31 @@ def hash_of_answers(answers: Sequence[Path]) -> str:
 
 
 def record_answers(folder: Path, answers: Sequence[Path]) -> str:
-    """Write the hash of all answers and the time; from then on the seals may be opened."""
+    """Write the hash of all answers and the time; from then on the seals may be opened.
+
+    Raises
+    ------
+    InputError
+        If other answers were recorded in this folder before.
+    """
     value = hash_of_answers(answers)
+    if recorded_answers(folder) not in (None, value):
+        raise _changed(folder)
     record = {"sha256": value, "answers": len(answers), "recorded": datetime.now(UTC).isoformat()}
     (folder / ANSWERS_RECORD).write_text(json.dumps(record) + "\n", encoding="utf-8")
     return value
+
+
+def _changed(folder: Path) -> InputError:
+    return InputError(
+        f"{folder}: the answers are not those that were recorded", mend="start again with a new seed in a new folder"
+    )
+
+
+def recorded_answers(folder: Path) -> str | None:
+    """Hash that was recorded of the answers in a folder; None before."""
+    record = folder / ANSWERS_RECORD
+    return str(json.loads(record.read_text(encoding="utf-8"))["sha256"]) if record.is_file() else None
 
 
 def open_seal(folder: Path, answers: Sequence[Path], case: Path, sealed: Path) -> dict[str, Any]:
@@ -42,7 +62,7 @@ def open_seal(folder: Path, answers: Sequence[Path], case: Path, sealed: Path) -
         raise InputError(f"{folder}: the answers are not recorded yet", mend="diagnose all cases first")
     known = json.loads(record.read_text(encoding="utf-8"))
     if known["answers"] != len(answers) or known["sha256"] != hash_of_answers(answers):
-        raise InputError(f"{folder}: the answers are not those that were recorded", mend="start again with a new seed")
+        raise _changed(folder)
     content = json.loads(sealed.read_text(encoding="utf-8"))
     label: dict[str, Any] = content["label"]
     text = json.dumps(label, sort_keys=True, separators=(",", ":"), ensure_ascii=True)

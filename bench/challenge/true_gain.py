@@ -10,6 +10,9 @@ from typing import Any
 
 from bench.challenge.answering import logs_in
 
+GAINING_FAMILIES = ("single", "pair")
+"""Families whose hidden effects the catalogue has."""
+
 WORTH_MEASURING = 0.02
 """Share of the squared error that the true model takes away below which there is nothing to gain."""
 
@@ -17,7 +20,7 @@ WORTH_MEASURING = 0.02
 def gain_share(case: Path, label: Mapping[str, Any], diagnosis: Mapping[str, Any]) -> float | None:
     """Share reached by an answer; None where nothing was hidden that the catalogue has, or nothing is to be gained."""
     names = [effect["name"] for effect in label["effects"]]
-    if label["family"] not in ("single", "pair") or not names:
+    if label["family"] not in GAINING_FAMILIES or not names:
         return None
     true_ratio = _true_ratio(case, names)
     if true_ratio is None or 1.0 - true_ratio**2 < WORTH_MEASURING:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -24,6 +25,7 @@ CLEAN = {
     "insufficient": [],
 }
 SEED, COUNT = 10_001, 2
+TABLE_SEED = 1_999_999  # of hand-made answers that say nothing of the diagnosis
 
 
 @pytest.fixture(scope="module")
@@ -80,6 +82,24 @@ def test_a_table_seed_is_refused_before_anything_is_made(tmp_path: Path) -> None
     with pytest.raises(InputError, match="scored before"):
         run_challenge(seed=1_000_000, count=200, out=tmp_path / "run", looks=looks)
     assert not (tmp_path / "run").exists()
+
+
+def test_a_run_broken_off_while_it_scored_goes_on_but_not_with_other_answers(begun: Path, tmp_path: Path) -> None:
+    looks, folder = tmp_path / "looks.jsonl", tmp_path / "run"
+    shutil.copytree(begun / "answers", folder / "answers")
+    generate(folder / "cases", folder / "sealed", seed=TABLE_SEED, count=COUNT, family="clean", generator="first")
+    first = run_challenge(seed=TABLE_SEED, count=COUNT, family="clean", out=folder, looks=looks)
+    (folder / SCORE_FILE).unlink()
+    again = run_challenge(seed=TABLE_SEED, count=COUNT, family="clean", out=folder, looks=looks)
+    assert again.as_json() == first.as_json()
+    assert len(looks.read_text().splitlines()) == 1
+    answer = folder / "answers/case_0000.json"
+    answer.write_text(answer.read_text() + " ")
+    with pytest.raises(InputError, match="not those that were recorded"):
+        run_challenge(seed=TABLE_SEED, count=COUNT, family="clean", out=folder, looks=looks)
+    (folder / "answers.sha256").unlink()  # as if nothing had been scored
+    with pytest.raises(InputError, match="scored before"):
+        run_challenge(seed=TABLE_SEED, count=COUNT, family="clean", out=folder, looks=looks)
 
 
 @pytest.mark.parametrize(("option", "value"), [("--family", "nonsense"), ("--generator", "third")])

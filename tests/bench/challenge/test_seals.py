@@ -102,18 +102,27 @@ def test_hash_of_answers_depends_on_names_and_contents(tmp_path: Path) -> None:
 
 def test_a_table_seed_is_scored_once(tmp_path: Path) -> None:
     file = tmp_path / "looks.jsonl"
-    refuse_second_look(1_000_001, None, "first", file)
-    record_look(1_000_001, 200, None, "first", file)
-    with pytest.raises(InputError, match="scored before"):
-        refuse_second_look(1_000_001, None, "first", file)
-    refuse_second_look(1_000_001, None, "second", file)
-    refuse_second_look(1_000_001, "clean", "first", file)
+    refuse_second_look(1_000_001, None, "first", None, file)
+    record_look(1_000_001, 200, None, "first", "a hash", file)
+    for answers in (None, "another hash"):
+        with pytest.raises(InputError, match="scored before"):
+            refuse_second_look(1_000_001, None, "first", answers, file)
+    refuse_second_look(1_000_001, None, "second", None, file)
+    refuse_second_look(1_000_001, "clean", "first", None, file)
     assert [look["n"] for look in looks(file)] == [200]
+
+
+def test_scoring_that_was_broken_off_may_go_on_with_the_same_answers(tmp_path: Path) -> None:
+    file = tmp_path / "looks.jsonl"
+    for _ in range(2):
+        refuse_second_look(1_000_001, None, "first", "a hash" if file.exists() else None, file)
+        record_look(1_000_001, 200, None, "first", "a hash", file)
+    assert [look["answers"] for look in looks(file)] == ["a hash"]
 
 
 def test_tuning_seeds_may_be_looked_at_again_and_leave_no_trace(tmp_path: Path) -> None:
     file = tmp_path / "looks.jsonl"
     for _ in range(2):
-        refuse_second_look(7, None, "first", file)
-        record_look(7, 20, None, "first", file)
+        refuse_second_look(7, None, "first", None, file)
+        record_look(7, 20, None, "first", "a hash", file)
     assert not file.exists()
