@@ -3,7 +3,7 @@
 import json
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import Any
 
 from bench.challenge.code_digest import code_digest
 from bench.execution.worker import initialise
+from bench.verdict.output_files import replace_file
 
 _THREAD_SETTINGS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
@@ -76,11 +77,4 @@ def _answer_to_file(case: str, answer: str) -> None:
         content = answer_case(Path(case))
     except Exception as error:  # a defect of the tool is a wrong answer, and must not end the challenge
         content = {"error": f"{type(error).__name__}: {error}", "defect": True, "code": code_digest()}
-    write_whole(Path(answer), content)
-
-
-def write_whole(file: Path, content: Mapping[str, Any]) -> None:
-    """Write JSON so that a file of this name is whole, whenever the process ends."""
-    part = Path(f"{file}.part")
-    part.write_text(json.dumps(content, indent=1), encoding="utf-8")
-    part.replace(file)
+    replace_file(Path(answer), json.dumps(content, indent=1).encode())

@@ -9,6 +9,9 @@ from bench.challenge.answering import answer_case
 from bench.challenge.generator import record_further
 from bench.challenge.scoring import named_causes
 
+LOOK_ALIKES = "confounded"
+"""Family whose right answer is a group."""
+
 _SENSOR = "sensor:"
 
 

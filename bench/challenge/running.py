@@ -12,8 +12,11 @@ from bench.challenge.figures import Figures, figures_of
 from bench.challenge.generator import FAMILIES, GENERATORS, generate, separate
 from bench.challenge.looks import record_look, refuse_second_look
 from bench.challenge.measuring import Measurement, measure_all
+from bench.challenge.planned import LOOK_ALIKES
 from bench.challenge.scoring import CaseScore, score_case
 from bench.challenge.seals import open_seal, record_answers, recorded_answers
+from bench.challenge.true_gain import GAINING_FAMILIES
+from bench.verdict.output_files import replace_file
 from signals.errors import InputError, unknown_name
 
 Progress = Callable[[str, float], None]
@@ -128,7 +131,7 @@ class _Run:
         result = ChallengeResult(
             self.seed, self.count, self.family, self.generator, scores, figures_of(scores), kept, code
         )
-        (self.folder / SCORE_FILE).write_text(json.dumps(result.as_json(), indent=1), encoding="utf-8")
+        replace_file(self.folder / SCORE_FILE, json.dumps(result.as_json(), indent=1).encode())
         return result
 
     def _tell(self, text: str, share: float) -> None:
@@ -142,24 +145,22 @@ class _Run:
         self, cases: list[Path], labels: list[dict[str, Any]], contents: list[dict[str, Any]]
     ) -> dict[str, dict[str, Any]]:
         """What needs more fits, of the cases that were answered."""
+        families = (*(GAINING_FAMILIES if self.measure_gain else ()), *((LOOK_ALIKES,) if self.check_plans else ()))
         measurements = [
             Measurement(
                 case,
-                self.folder / "planned" / case.name,
-                self.folder / "measured" / f"{case.name}.json",
+                self.folder,
                 label,
                 content["diagnosis"],
                 {"seed": self.seed, "index": index, "family": self.family, "generator": self.generator},
-                self.measure_gain,
-                self.check_plans,
             )
             for index, (case, label, content) in enumerate(zip(cases, labels, contents, strict=True))
-            if "diagnosis" in content
+            if "diagnosis" in content and label["family"] in families
         ]
         return measure_all(measurements, self.jobs, self._measured_one)
 
     def _measured_one(self, name: str, done: int, count: int) -> None:
-        self._tell(f"gain of {name}", _ANSWERED + (_MEASURED - _ANSWERED) * done / count)
+        self._tell(f"measurement at {name}", _ANSWERED + (_MEASURED - _ANSWERED) * done / count)
 
     def _cases(self) -> list[Path]:
         cases, sealed = self.folder / "cases", self.folder / "sealed"

@@ -11,17 +11,15 @@ from typing import Any
 from bench.challenge.answering import logs_in
 
 GAINING_FAMILIES = ("single", "pair")
-"""Families whose hidden effects the catalogue has."""
+"""Families with hidden effects that the catalogue has and that data of all manoeuvres shows."""
 
 WORTH_MEASURING = 0.02
 """Share of the squared error that the true model takes away below which there is nothing to gain."""
 
 
 def gain_share(case: Path, label: Mapping[str, Any], diagnosis: Mapping[str, Any]) -> float | None:
-    """Share reached by an answer; None where nothing was hidden that the catalogue has, or nothing is to be gained."""
+    """Share reached by an answer to a case of ``GAINING_FAMILIES``; None where nothing is to be gained."""
     names = [effect["name"] for effect in label["effects"]]
-    if label["family"] not in GAINING_FAMILIES or not names:
-        return None
     true_ratio = _true_ratio(case, names)
     if true_ratio is None or 1.0 - true_ratio**2 < WORTH_MEASURING:
         return None

@@ -6,7 +6,6 @@
 """
 
 import json
-import os
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.diagnosis.recordings import as_log, car_of, recording_of
+from bench.verdict.output_files import replace_file
 from model_diagnosis.findings import Findings
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.rating import ratings_of
@@ -245,9 +245,8 @@ def write(found: Found, folder: Path, *, stops: bool = True) -> Written:
 
 
 def _write_answer(answer: Diagnosis, folder: Path) -> None:
-    partial = folder / f".{ANSWER_FILE}.partial"
-    partial.write_text(json.dumps(answer_json(answer), indent=2, ensure_ascii=False) + "\n", "utf-8")
-    os.replace(partial, folder / ANSWER_FILE)
+    text = json.dumps(answer_json(answer), indent=2, ensure_ascii=False) + "\n"
+    replace_file(folder / ANSWER_FILE, text.encode())
 
 
 def default_folder(logs: Sequence[str]) -> Path:

@@ -102,6 +102,23 @@ def test_a_run_broken_off_while_it_scored_goes_on_but_not_with_other_answers(beg
         run_challenge(seed=TABLE_SEED, count=COUNT, family="clean", out=folder, looks=looks)
 
 
+def test_what_a_broken_off_run_has_measured_is_kept_and_the_rest_is_measured(tmp_path: Path) -> None:
+    def measured(folder: Path, family: str) -> dict[str, object]:
+        generate(folder / "cases", folder / "sealed", seed=SEED, count=1, family=family, generator="first")
+        (folder / "answers").mkdir()
+        (folder / "answers/case_0000.json").write_text(json.dumps({"diagnosis": CLEAN, "seconds": 1.0}))
+        (score,) = run_challenge(seed=SEED, count=1, family=family, out=folder).scores
+        return {"gain_share": score.gain_share, "separated": score.separated}
+
+    kept = tmp_path / "single" / "measured" / "case_0000.json"
+    kept.parent.mkdir(parents=True)
+    kept.write_text('{"gain_share": 0.625}')
+    assert measured(tmp_path / "single", "single") == {"gain_share": 0.625, "separated": None}
+    # an answer without a cause proposes nothing that could separate look-alikes
+    assert measured(tmp_path / "look_alikes", "confounded") == {"gain_share": None, "separated": None}
+    assert json.loads((tmp_path / "look_alikes/measured/case_0000.json").read_text()) == {"separated": None}
+
+
 @pytest.mark.parametrize(("option", "value"), [("--family", "nonsense"), ("--generator", "third")])
 def test_unknown_names_end_with_what_is_allowed(option: str, value: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["diagnose", "challenge", "--seed", "1", "--n", "1", option, value]) == 2
