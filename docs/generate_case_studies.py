@@ -73,11 +73,11 @@ def diagnosed(name: str, folder: Path) -> None:
     write(found, folder)
 
 
-def pictured(folder: Path, picture: Path) -> None:
+def pictured(folder: Path, picture: Path, height: int = HEIGHT) -> None:
     """Top of the page as an image."""
     picture.parent.mkdir(parents=True, exist_ok=True)
     command = ["chromium", "--headless", "--no-sandbox", "--hide-scrollbars", "--force-device-scale-factor=1"]
-    command += [f"--window-size={WIDTH},{HEIGHT}", f"--screenshot={picture}"]
+    command += [f"--window-size={WIDTH},{height}", f"--screenshot={picture}"]
     subprocess.run([*command, (folder / "diagnosis.html").absolute().as_uri()], check=True, capture_output=True)
 
 

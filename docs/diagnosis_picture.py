@@ -1,0 +1,30 @@
+"""Draws docs/images/diagnosis_worn_pads.png, worn pads diagnosed: python docs/diagnosis_picture.py (needs chromium)."""
+
+import sys
+import tempfile
+from pathlib import Path
+
+from generate_case_studies import pictured
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+PICTURE = ROOT / "docs" / "images" / "diagnosis_worn_pads.png"
+HEIGHT = 1745
+
+
+def main() -> None:
+    """Drive, diagnose against the nominal car, and draw the upper part of the page: charts, house and cause."""
+    import bench
+    from bench.diagnosis.diagnosing import find, write
+
+    with tempfile.TemporaryDirectory() as folder:
+        drive, result = Path(folder) / "worn_pads", Path(folder) / "diagnosis"
+        bench.run("diagnosis/worn_pads", pacing="lockstep", out=drive)
+        write(find([str(drive)], "ekf_car"), result)
+        pictured(result, PICTURE, HEIGHT)
+    print(PICTURE.relative_to(ROOT))
+
+
+if __name__ == "__main__":
+    main()
