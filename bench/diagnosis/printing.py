@@ -6,7 +6,7 @@ from rich.text import Text
 
 from bench.diagnosis.diagnosing import ANSWER_FILE, PAGE_FILE, Written
 from bench.diagnosis_report.words import BADGES, gain_words, headline, parameter_texts, percent, plain
-from bench.report.formatting import number, quantity
+from bench.report.formatting import number
 from bench.report.summary import VERDICT_STYLES
 from model_diagnosis.result import Diagnosis
 
@@ -46,14 +46,17 @@ def _print_causes(diagnosis: Diagnosis, console: Console) -> None:
     if not diagnosis.causes:
         return
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
-    for head in ("cause", "probability", "parameter", "value", "90 % interval", "vehicle file", "", "or"):
+    heads = ["cause", "probability", "parameter", "value", "90 % interval", "vehicle file", "change"]
+    groups = [", ".join(plain(name) for name in cause.group if name != cause.effect) for cause in diagnosis.causes]
+    if any(groups):
+        heads.append("cannot be told from")
+    for head in heads:
         table.add_column(head, justify="right" if head in ("probability", "value", "vehicle file") else "left")
-    for cause in diagnosis.causes:
-        others = ", ".join(plain(name) for name in cause.group if name != cause.effect)
+    for cause, others in zip(diagnosis.causes, groups, strict=True):
         for row, text in enumerate(parameter_texts(cause)):
             cells = (text.name, text.value, text.interval, text.nominal, text.change)
             names = (plain(cause.effect), percent(cause.probability)) if row == 0 else ("", "")
-            table.add_row(*names, *cells, others if row == 0 else "")
+            table.add_row(*[*names, *cells, others if row == 0 else ""][: len(heads)])
     console.print()
     console.print(table)
 
@@ -71,8 +74,8 @@ def _print_faults(diagnosis: Diagnosis, console: Console) -> None:
     if diagnosis.data_faults:
         console.print("\nfaults of the data", style="dim")
     for fault in diagnosis.data_faults[:MOST_FAULTS]:
-        value = "" if fault.value is None else f" {quantity(fault.value, fault.unit)}"
         done = "repaired" if fault.repaired else "reported"
-        console.print(f"  {fault.channel}: {plain(fault.kind)}{value}, {done}. {fault.message}", markup=False)
+        message = fault.message if fault.channel in fault.message else f"{fault.channel}: {fault.message}"
+        console.print(f"  {plain(fault.kind)}, {done}: {message}", markup=False)
     if len(diagnosis.data_faults) > MOST_FAULTS:
         console.print(f"  … {len(diagnosis.data_faults) - MOST_FAULTS} more on the page")

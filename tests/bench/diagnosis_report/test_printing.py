@@ -30,13 +30,22 @@ def test_the_terminal_says_cause_value_and_next_step(findings: Findings) -> None
         "brake pad friction −20.5 %",
         "83 %",
         "0.314 … 0.322",
+        "cannot be told from",
         "pressure sensor scale",
-        "lateral_acceleration: channel sign −1, repaired",
+        "channel sign, repaired: lateral_acceleration",
         "error left on held-out manoeuvres: 12 % [9, 16]",
         "hold at standstill",
         "result/extended_vehicle.yaml",
     ):
         assert words in text
+
+
+def test_a_cause_that_stands_alone_has_no_column_of_look_alikes(findings: Findings) -> None:
+    alone = findings.diagnosis.causes[0].model_copy(update={"group": [findings.diagnosis.causes[0].effect]})
+    answer = findings.diagnosis.model_copy(update={"causes": [alone]})
+    text = printed(replace(findings, diagnosis=answer))
+    assert "0.314 … 0.322" in text
+    assert "cannot be told from" not in text
 
 
 def test_a_discovered_term_is_printed(findings: Findings) -> None:
