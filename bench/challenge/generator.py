@@ -7,6 +7,9 @@ from collections.abc import Callable, Sequence
 from importlib import resources
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from signals.errors import BenchError
 
 FAMILIES = (
@@ -69,6 +72,13 @@ def separate(
     words = ["separate", "--seed", str(seed), "--index", str(index), "--rivals", *rivals]
     result: list[dict[str, float | None]] = json.loads(_run([*words, *_choice(family, generator)]))
     return result
+
+
+def torque_courses(*, seed: int, index: int, family: str | None, generator: str) -> dict[str, NDArray[np.float64]]:
+    """Manoeuvre -> (n, 4): relative change of each brake's torque by a case's unknown term, every 10 ms."""
+    words = ["courses", "--seed", str(seed), "--index", str(index)]
+    courses = json.loads(_run([*words, *_choice(family, generator)]))
+    return {name: np.array(course, dtype=np.float64) for name, course in courses.items()}
 
 
 def record_further(

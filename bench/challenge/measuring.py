@@ -60,6 +60,6 @@ def _measure(one: Measurement) -> None:
         shutil.rmtree(folder, ignore_errors=True)  # of a run that was broken off here
         found = {"separated": separated_by_plan(folder, one.label, one.diagnosis, **one.drawn_with)}
     else:
-        found = {"gain_share": gain_share(one.case, one.label, one.diagnosis)}
+        found = {"gain_share": gain_share(one.case, one.label, one.diagnosis, one.drawn_with)}
     one.file.parent.mkdir(parents=True, exist_ok=True)
     replace_file(one.file, json.dumps(found).encode())

@@ -14,6 +14,10 @@ LOOK_ALIKES = "confounded"
 
 _SENSOR = "sensor:"
 
+_RECORDED_AS = {"reference_pressure": "master_pressure"}
+"""Proposed sensor -> channel of the hidden car: while the inlet valves are open the gauge of the master cylinder is a
+second one of the wheels' fluid. Other sensors have the channel's name."""
+
 
 def separated_by_plan(
     folder: Path,
@@ -36,7 +40,7 @@ def separated_by_plan(
     if proposal is None or not causes or len(causes[0]["group"]) < 2:
         return None
     name = str(proposal["name"])
-    channel = name.removeprefix(_SENSOR) if name.startswith(_SENSOR) else ""
+    channel = channel_of(name)
     script = None if channel else _script(folder, name)
     if script is None and not channel:
         return False
@@ -47,6 +51,14 @@ def separated_by_plan(
     again = named_causes(answer) if answer is not None else []
     truth = label["effects"][0]["name"]
     return bool(again) and again[0]["effect"] == truth and label["twin"] not in again[0]["group"]
+
+
+def channel_of(proposal: str) -> str:
+    """Channel that the hidden car records for a proposed sensor; "" for a manoeuvre."""
+    if not proposal.startswith(_SENSOR):
+        return ""
+    sensor = proposal.removeprefix(_SENSOR)
+    return _RECORDED_AS.get(sensor, sensor)
 
 
 def _script(folder: Path, name: str) -> Path | None:

@@ -1,26 +1,39 @@
 """Share of the held-out gain that the true model would give: (E_refit - E_answer) / (E_refit - E_true).
 
 E is the squared error on held-out manoeuvres: of the nominal car refitted within its scatter, of the answer, and of the
-same replay with the true effects fitted. Errors of signals with different units are pooled as in a diagnosis.
+same replay with the true effects or the true law fitted. Errors of signals with different units are pooled as in a
+diagnosis.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bench.challenge.answering import logs_in
+from bench.challenge.generator import torque_courses
+from bench.challenge.hidden_law import LAW_NAME, Courses, with_hidden_law
 
-GAINING_FAMILIES = ("single", "pair")
-"""Families with hidden effects that the catalogue has and that data of all manoeuvres shows."""
+if TYPE_CHECKING:
+    from model_diagnosis.evidence.base import Base
+    from model_diagnosis.evidence.fitting import Fit
+    from model_diagnosis.replay import Replay
+
+GAINING_FAMILIES = ("single", "pair", "unknown")
+"""Families whose hidden effects or law data of all manoeuvres shows."""
 
 WORTH_MEASURING = 0.02
 """Share of the squared error that the true model takes away below which there is nothing to gain."""
 
 
-def gain_share(case: Path, label: Mapping[str, Any], diagnosis: Mapping[str, Any]) -> float | None:
-    """Share reached by an answer to a case of ``GAINING_FAMILIES``; None where nothing is to be gained."""
-    names = [effect["name"] for effect in label["effects"]]
-    true_ratio = _true_ratio(case, names)
+def gain_share(
+    case: Path, label: Mapping[str, Any], diagnosis: Mapping[str, Any], drawn_with: Mapping[str, Any]
+) -> float | None:
+    """Share reached by an answer to a case of ``GAINING_FAMILIES``; None where nothing is to be gained.
+
+    ``drawn_with`` are seed, index, family and generator of the case.
+    """
+    courses = torque_courses(**drawn_with) if label["unknown"] is not None else None
+    true_ratio = _true_ratio(case, label, courses)
     if true_ratio is None or 1.0 - true_ratio**2 < WORTH_MEASURING:
         return None
     gain = diagnosis.get("gain")
@@ -28,33 +41,40 @@ def gain_share(case: Path, label: Mapping[str, Any], diagnosis: Mapping[str, Any
     return float((1.0 - reached**2) / (1.0 - true_ratio**2))
 
 
-def _true_ratio(case: Path, names: Sequence[str]) -> float | None:
-    """Held-out error with the true effects over that of the refitted nominal car; None if the search lacks one."""
+def _true_ratio(case: Path, label: Mapping[str, Any], courses: Courses | None) -> float | None:
+    """Held-out error with what is hidden over that of the refitted nominal car; None if the search lacks it."""
     import numpy as np
 
-    from model_diagnosis.data import check_data, read_manoeuvres
+    from model_diagnosis.gain import held_out_residuals, measure_gain
+    from model_diagnosis.held_out import noise_std, refit_within_scatter
+    from signals.errors import BenchError
+
+    try:
+        replay, held_out = (replay_of(case, folder, courses) for folder in ("logs", "held_out"))
+    except BenchError:
+        return None
+    found = fit_of_truth(replay, label)
+    if found is None:
+        return None
+    base, fit = found
+    neutral = np.zeros(len(base.problem.scale))
+    refit = refit_within_scatter(base.problem, base.at_nothing, base.nothing.theta)
+    residuals = held_out_residuals(held_out, neutral, fit.theta, refit)
+    against_refit = measure_gain(residuals, noise_std(held_out)).against_refit
+    return None if against_refit is None else float(against_refit.ratio)
+
+
+def fit_of_truth(replay: "Replay", label: Mapping[str, Any]) -> "tuple[Base, Fit] | None":
+    """Fit of "nothing" and of what a label says is hidden; None if the search lacks it."""
     from model_diagnosis.evidence.base import fit_base
     from model_diagnosis.evidence.hypotheses import hypotheses_of
     from model_diagnosis.evidence.priors import Priors
     from model_diagnosis.evidence.search import Search
-    from model_diagnosis.gain import held_out_residuals, measure_gain
-    from model_diagnosis.held_out import noise_std, refit_within_scatter
-    from model_diagnosis.replay import Replay
-    from signals.errors import BenchError
-    from signals.measured import load_channel_map
-    from vehicle_model import load_vehicle
 
-    vehicle, channels = load_vehicle(case / "vehicle.yaml"), load_channel_map(case / "channels.yaml")
-    try:
-        _, manoeuvres = check_data(read_manoeuvres(logs_in(case / "logs"), channels, vehicle), vehicle, Replay)
-        _, held_out = check_data(read_manoeuvres(logs_in(case / "held_out"), channels, vehicle), vehicle, Replay)
-    except BenchError:
-        return None
-    replay, held_out_replay = Replay(vehicle, manoeuvres), Replay(vehicle, held_out)
     base = fit_base(replay, Priors.of(replay.parameters))
     hypotheses = hypotheses_of(replay, [True] * len(replay.columns))
     true = []
-    for name in names:
+    for name in [effect["name"] for effect in label["effects"]] or [LAW_NAME]:
         number = next((n for n, effect in enumerate(replay.effects) if effect.name == name), None)
         mine = [one for one in hypotheses if one.effect == number and one.value is None]
         if not mine:
@@ -63,9 +83,17 @@ def _true_ratio(case: Path, names: Sequence[str]) -> float | None:
     search = Search(base.problem, hypotheses)
     fit = search.fit_set(true, base.at_nothing, base.nothing.theta)
     fresh = base.problem.linearise(fit.theta)
-    fit = search.fit_set(true, fresh, fit.theta)
-    neutral = np.zeros(len(replay.columns))
-    refit = refit_within_scatter(base.problem, base.at_nothing, base.nothing.theta)
-    residuals = held_out_residuals(held_out_replay, neutral, fit.theta, refit)
-    against_refit = measure_gain(residuals, noise_std(held_out_replay)).against_refit
-    return None if against_refit is None else float(against_refit.ratio)
+    return base, search.fit_set(true, fresh, fit.theta)
+
+
+def replay_of(case: Path, folder: str, courses: Courses | None) -> "Replay":
+    """Replay of a folder's logs, with the hidden law where its courses are given."""
+    from model_diagnosis.data import check_data, read_manoeuvres
+    from model_diagnosis.replay import Replay
+    from signals.measured import load_channel_map
+    from vehicle_model import load_vehicle
+
+    vehicle, channels = load_vehicle(case / "vehicle.yaml"), load_channel_map(case / "channels.yaml")
+    _, manoeuvres = check_data(read_manoeuvres(logs_in(case / folder), channels, vehicle), vehicle, Replay)
+    replay = Replay(vehicle, manoeuvres)
+    return replay if courses is None else with_hidden_law(replay, courses)

@@ -1,6 +1,6 @@
 """All checks of manoeuvres: channels against each other, and against the replay where there is one."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from model_diagnosis.data.command_checks import command_fault, find_command
 from model_diagnosis.data.delay_acceptance import accepted_delays
 from model_diagnosis.data.delay_checks import (
     PLAIN_GAIN,
+    LagRelation,
     Late,
     candidates,
     explain_lags,
@@ -116,12 +117,28 @@ def _check_delays(
     for late in large:
         repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
     small: list[Late] = []
-    waiting = [late for late in late_sets if late not in large]
-    while replay is not None and waiting and not small:
-        small, repaired = accepted_delays(waiting, repaired, vehicle, replay)
-        # what the innovations refuse is not late: the next best explanation of the same lags may be, if it is simpler
-        sets = [one for one in sets if one.groups not in [late.groups for late in waiting]]
-        known = [late.groups for late in large]
-        following = [one for one in explain_lags(relations, sets, proposed=True) if one.groups not in known]
-        waiting = following if len(following) < len(waiting) else []
+    if replay is not None:
+        for proposed in _explanations([late for late in late_sets if late not in large], large, relations, sets):
+            small, repaired = accepted_delays(proposed, repaired, vehicle, replay)
+            if small:
+                break
     return named, [*large, *small], repaired
+
+
+def _explanations(
+    likeliest: Sequence[Late], large: Sequence[Late], relations: Sequence[LagRelation], sets: Sequence[Late]
+) -> Iterator[Sequence[Late]]:
+    """Explanations of the lags that the large delays leave, the likeliest first and then simpler ones.
+
+    Where the innovations refuse several late sets, one of them may be late by itself, by another delay than it has
+    beside the others; else something else is.
+    """
+    if likeliest:
+        yield likeliest
+    known, refused = [late.groups for late in large], [late.groups for late in likeliest]
+    most = len(known) + len(likeliest) - 1
+    for candidate in (sets, [one for one in sets if one.groups not in refused]) if len(likeliest) > 1 else ():
+        found = explain_lags(relations, candidate, proposed=True, most=most)
+        following = [late for late in found if late.groups not in known]
+        if 0 < len(following) < len(likeliest):
+            yield following

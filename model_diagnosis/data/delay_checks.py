@@ -227,8 +227,10 @@ def _sets(origins: Mapping[str, str], *, message: bool) -> list[set[str]]:
     return sets if len(sets) > 1 else []
 
 
-def explain_lags(relations: Sequence[LagRelation], sets: Sequence[Late], *, proposed: bool = False) -> list[Late]:
-    """The fewest late sets that explain the lags, each with its delay; the cheapest of all choices of up to three.
+def explain_lags(
+    relations: Sequence[LagRelation], sets: Sequence[Late], *, proposed: bool = False, most: int = _MOST
+) -> list[Late]:
+    """The fewest late sets that explain the lags, each with its delay; the cheapest of all choices of up to ``most``.
 
     Chosen one after the other, what acts early in two relations (the pressures, say) would be taken for what is late in
     both. ``proposed`` ones are judged by innovations afterwards, so that less is asked of them here.
@@ -237,7 +239,7 @@ def explain_lags(relations: Sequence[LagRelation], sets: Sequence[Late], *, prop
     penalty = _PROPOSAL_PENALTY if proposed else _PENALTY
     cost = {frozenset[int](): _fit(relations, [])[1]}
     best: tuple[float, list[Late]] = (cost[frozenset()], [])
-    for size in range(1, _MOST + 1):
+    for size in range(1, most + 1):
         for chosen in combinations(range(len(sets)), size):
             if any(sets[a].groups <= sets[b].groups for a in chosen for b in chosen if a != b):
                 continue

@@ -24,22 +24,21 @@ def main(arguments: list[str] | None = None) -> int:
     cases.add_argument("--generator", choices=tuple(GENERATORS), default="first")
     cases.add_argument("--only", type=int, nargs="*", help="numbers of the cases; by default all")
     separate = commands.add_parser("separate", help="expected log evidence for the truth of a case against rivals")
-    separate.add_argument("--seed", type=int, required=True)
-    separate.add_argument("--index", type=int, required=True)
-    separate.add_argument("--family", choices=FAMILIES)
-    separate.add_argument("--generator", choices=tuple(GENERATORS), default="first")
     separate.add_argument("--rivals", nargs="+", required=True, help="names of effects")
+    courses = commands.add_parser("courses", help="what the unknown term of a case does to the brakes over time")
     further = commands.add_parser("further", help="write a case again with more data")
-    further.add_argument("--seed", type=int, required=True)
-    further.add_argument("--index", type=int, required=True)
-    further.add_argument("--family", choices=FAMILIES)
-    further.add_argument("--generator", choices=tuple(GENERATORS), default="first")
     further.add_argument("--out", type=Path, required=True, help="folder of the case")
     further.add_argument("--script", type=Path, help="JSON of a manoeuvre: name, speed, and lists over time")
     further.add_argument("--channel", default="", help="channel that is recorded this time")
+    for one in (separate, courses, further):
+        one.add_argument("--seed", type=int, required=True)
+        one.add_argument("--index", type=int, required=True)
+        one.add_argument("--family", choices=FAMILIES)
+        one.add_argument("--generator", choices=tuple(GENERATORS), default="first")
     commands.add_parser("limits", help="sizes from which the shipped manoeuvres show each effect, by theory")
     given = parser.parse_args(arguments)
-    return {"cases": _cases, "separate": _separate, "further": _further, "limits": _limits}[given.command](given)
+    called = {"cases": _cases, "separate": _separate, "courses": _courses, "further": _further, "limits": _limits}
+    return called[given.command](given)
 
 
 def _cases(given: argparse.Namespace) -> int:
@@ -54,8 +53,12 @@ def _cases(given: argparse.Namespace) -> int:
 
 
 def _separate(given: argparse.Namespace) -> int:
-    case = Case(given.seed, given.index, given.family, given.generator)
-    print(json.dumps(case.separation(given.rivals)))
+    print(json.dumps(_case(given).separation(given.rivals)))
+    return 0
+
+
+def _courses(given: argparse.Namespace) -> int:
+    print(json.dumps(_case(given).torque_courses()))
     return 0
 
 
@@ -64,9 +67,12 @@ def _further(given: argparse.Namespace) -> int:
     if given.script is not None:
         table = json.loads(given.script.read_text(encoding="utf-8"))
         scripts.append(tabulated(table["name"], table))
-    case = Case(given.seed, given.index, given.family, given.generator)
-    case.write_further(given.out, scripts, given.channel)
+    _case(given).write_further(given.out, scripts, given.channel)
     return 0
+
+
+def _case(given: argparse.Namespace) -> Case:
+    return Case(given.seed, given.index, given.family, given.generator)
 
 
 def _limits(given: argparse.Namespace) -> int:

@@ -10,6 +10,7 @@ import numpy as np
 
 from hidden_effects import FORM_DIFFERENCES, VERSION
 from hidden_effects.car import DATA_SHEET, Numbers, as_record, draw_car
+from hidden_effects.courses import torque_course
 from hidden_effects.effects import EFFECTS
 from hidden_effects.families import Draw, Hidden, draw, family_of, place_name
 from hidden_effects.isolability import separation
@@ -141,6 +142,18 @@ class Case:
             truth = (hidden.effect, hidden.deviation, hidden.place)
             found = separation(truth, others, self.car, self.chain, scripts, self.draw.missing)
             result.append({name: found.get(name) for name in rivals if name != hidden.effect.name})
+        return result
+
+    def torque_courses(self) -> dict[str, list[list[float]]]:
+        """Manoeuvre -> (n, 4) as lists: relative change of the brake torques by the unknown term; none without one."""
+        if self.draw.unknown is None:
+            return {}
+        kind, size = self.draw.unknown
+        mine, held_out = self.scripts()
+        result = {}
+        for script in (*mine, *held_out):
+            columns = simulate(as_record(self.car_in(script)[0]), script.drive())
+            result[script.name] = torque_course(columns, kind.number, size).round(9).tolist()
         return result
 
     def write(self, folder: Path, sealed: Path) -> None:

@@ -48,9 +48,9 @@ def hidden_logs(
     return vehicle, read_manoeuvres([folder / "logs" / f"{name}.csv" for name in names], channel_map, vehicle)
 
 
-def drawn_logs(folder: Path, seed: int, index: int) -> tuple[VehicleFile, list[Manoeuvre]]:
-    """Vehicle file and manoeuvres of a case of the mixture as it was drawn."""
-    Case(seed, index, None, "first").write(folder, folder / "label.json")
+def drawn_logs(folder: Path, seed: int, index: int, family: str | None = None) -> tuple[VehicleFile, list[Manoeuvre]]:
+    """Vehicle file and manoeuvres of a case of the mixture, or of a family, as it was drawn."""
+    Case(seed, index, family, "first").write(folder, folder / "label.json")
     vehicle = load_vehicle(str(folder / "vehicle.yaml"))
     channel_map = load_channel_map(str(folder / "channels.yaml"))
     return vehicle, read_manoeuvres(sorted((folder / "logs").iterdir()), channel_map, vehicle)

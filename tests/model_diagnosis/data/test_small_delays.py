@@ -70,3 +70,19 @@ def test_where_innovations_refuse_the_likeliest_late_channels_the_next_ones_are_
     (fault,) = [one for one in faults if one.unit == "s"]
     assert (fault.kind, fault.channel) == ("clock_offset", "speed")
     assert fault.value == pytest.approx(0.0534, abs=0.005)
+
+
+@pytest.mark.parametrize(
+    ("index", "hidden_s"),
+    [
+        pytest.param(34, 0.0346, id="refitted numbers took half of the delay upon them"),
+        pytest.param(14, 0.0772, id="beside two channels that are not late another delay fits"),
+    ],
+)
+def test_a_logger_late_by_a_few_samples_is_found_beside_an_effect(index: int, hidden_s: float, tmp_path: Path) -> None:
+    """Left unsettled it comes out as a scale of the accelerometer of 0.8 to 0.93, far beyond any sensor's."""
+    vehicle, manoeuvres = drawn_logs(tmp_path, 64, index, "single")
+    faults, _ = check_data(manoeuvres, vehicle, Replay)
+    (fault,) = [one for one in faults if one.unit == "s"]
+    assert (fault.kind, fault.channel) == ("clock_offset", "speed")
+    assert fault.value == pytest.approx(hidden_s, abs=0.005)

@@ -1,0 +1,59 @@
+"""The true law of an unknown term, as the gain of an answer is measured against it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bench.challenge.generator import generate, torque_courses
+from bench.challenge.hidden_law import LAW_NAME, Courses
+from bench.challenge.true_gain import fit_of_truth, gain_share, replay_of
+
+DRAWN_WITH: dict[str, Any] = {"seed": 10_007, "family": "unknown", "generator": "first"}  # a hysteresis
+MANOEUVRES = 8
+
+
+@pytest.fixture(scope="module")
+def hidden(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any], Courses]:
+    """A case with an unknown term, its label, and the courses of the term."""
+    folder = tmp_path_factory.mktemp("unknown")
+    (case,) = generate(folder / "cases", folder / "sealed", count=1, **DRAWN_WITH)
+    label = json.loads((folder / "sealed" / f"{case.name}.json").read_text())["label"]
+    return case, label, torque_courses(index=0, **DRAWN_WITH)
+
+
+def test_courses_are_those_of_the_label(hidden: tuple[Path, dict[str, Any], Courses]) -> None:
+    _, label, courses = hidden
+    assert label["unknown"]["kind"] == "hysteresis"
+    assert len(courses) == MANOEUVRES
+    # T_b (1 + a sign(dp/dt)): never more than a to either side, and both sides where a driver brakes and lets go
+    size = label["unknown"]["size"]
+    assert max(float(np.abs(course).max()) for course in courses.values()) == pytest.approx(size, rel=1e-6)
+    assert courses["gentle_stops"].min() < -0.9 * size < 0.9 * size < courses["gentle_stops"].max()
+    assert np.abs(courses["sine_steer"]).max() == 0.0
+
+
+def test_a_case_without_an_unknown_term_has_no_courses() -> None:
+    assert torque_courses(seed=10_007, index=0, family="clean", generator="first") == {}
+
+
+def test_the_law_is_a_column_of_the_replay_behind_all_others(hidden: tuple[Path, dict[str, Any], Courses]) -> None:
+    case, _, courses = hidden
+    replay, plain = replay_of(case, "held_out", courses), replay_of(case, "held_out", None)
+    assert replay.columns == (*plain.columns, f"{LAW_NAME}.share")
+    theta = np.zeros(len(replay.columns))
+    assert np.array_equal(replay.predict(theta, 0), plain.predict(theta[:-1], 0))
+    theta[-1] = 1.0
+    assert not np.array_equal(replay.predict(theta, 0), plain.predict(theta[:-1], 0))
+
+
+@pytest.mark.nightly
+def test_the_true_law_is_fitted_with_the_size_that_is_hidden(hidden: tuple[Path, dict[str, Any], Courses]) -> None:
+    case, label, courses = hidden
+    found = fit_of_truth(replay_of(case, "logs", courses), label)
+    assert found is not None
+    # a tenth: what is required of physical values
+    assert found[1].theta[-1] == pytest.approx(1.0, abs=0.1)
+    assert gain_share(case, label, {"gain": None}, {"index": 0, **DRAWN_WITH}) == 0.0
