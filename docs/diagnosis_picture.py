@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 PICTURE = ROOT / "docs" / "images" / "diagnosis_worn_pads.png"
-HEIGHT = 1745
+HEIGHT = 1690
 
 
 def main() -> None:
