@@ -1,16 +1,13 @@
 """Draws docs/images/diagnosis_worn_pads.png, worn pads diagnosed: python docs/diagnosis_picture.py (needs chromium)."""
 
-import sys
 import tempfile
 from pathlib import Path
 
-from generate_case_studies import pictured
-
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
+from generate_case_studies import ROOT, pictured
 
 PICTURE = ROOT / "docs" / "images" / "diagnosis_worn_pads.png"
 HEIGHT = 1690
+"""Pixels of the page down to the lowest row of the house of equations."""
 
 
 def main() -> None:

@@ -15,10 +15,10 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from bench.challenge.figures import GAIN_SHARE, PARAMETER_WITHIN, UNKNOWN_GAIN_SHARE, figures_of  # noqa: E402
+from bench.challenge.figures import figures_of  # noqa: E402
 from bench.challenge.merging import merged_cases, read_score  # noqa: E402
+from bench.challenge.misses import misses_of  # noqa: E402
 from bench.challenge.printing import table_row  # noqa: E402
-from bench.challenge.scoring import NAMED_FROM, CaseScore  # noqa: E402
 
 SCORES = ROOT / "docs/challenge_scores"
 LIMITS, FIGURES = ROOT / "docs/challenge_limits.md", ROOT / "docs/challenge_figures.md"
@@ -65,6 +65,13 @@ Made by `python docs/generate_challenge.py` from `docs/challenge_scores/`, all o
 """
 
 
+MISSES_HEAD = """Size: scatters of the larger effect. *Surplus*: causes that are not hidden, more likely than not.
+
+| Seed/case | Family | Hidden | Size | Answered | Wrong |
+|---|---|---|---|---|---|
+"""
+
+
 def figures_page(scores: Mapping[Path, Mapping[str, Any]]) -> str:
     """The page of figures over these scores, by file."""
     cases = merged_cases(scores)
@@ -86,42 +93,11 @@ def figures_page(scores: Mapping[Path, Mapping[str, Any]]) -> str:
     lines += ["", "## What went wrong", "", MISSES_HEAD.rstrip()]
     seeds = [score["seed"] for score in scores.values() for _ in score["cases"]]
     for seed, case in zip(seeds, cases, strict=True):
-        if wrong := wrong_of(case):
+        if wrong := misses_of(case):
             size = f"{case.units:.1f}" if case.units else "–"
             place = f"{seed}/{int(case.case.removeprefix('case_'))}"
             lines.append(f"| {place} | {case.family} | {case.hidden} | {size} | {case.answer} | {'; '.join(wrong)} |")
     return "\n".join(lines) + "\n"
-
-
-MISSES_HEAD = """Size: scatters of the larger effect. *Surplus*: causes, stated as likelier than not, not hidden.
-
-| Seed/case | Family | Hidden | Size | Answered | Wrong |
-|---|---|---|---|---|---|
-"""
-
-
-def wrong_of(case: CaseScore) -> list[str]:
-    """What is wrong with an answer, in words; empty where nothing is."""
-    surplus = sum(probability >= NAMED_FROM and not right for probability, right in case.stated)
-    least_gain = UNKNOWN_GAIN_SHARE if case.family == "unknown" else GAIN_SHARE
-    found = {
-        "not first, nor in a justified group": case.in_group is False,
-        "false alarm": case.false_alarm,
-        "not both": case.both is False,
-        "fault not named": case.fault_named is False,
-        "physics beside the fault": case.physics_named,
-        "fault invented": case.fault_invented,
-        "not its variables": case.variables is False,
-        "wrong verdict": case.right_verdict is False,
-        "not separated by the proposed data": case.separated is False,
-        f"{surplus} surplus": surplus and case.family not in ("clean", "confounded"),
-    }
-    words = [text for text, is_wrong in found.items() if is_wrong]
-    if case.parameter_error is not None and case.parameter_error > PARAMETER_WITHIN:
-        words.append(f"value {100 * case.parameter_error:.0f} % off")
-    if case.gain_share is not None and case.gain_share < least_gain:
-        words.append(f"{100 * case.gain_share:.0f} % of the possible gain")
-    return words
 
 
 def main() -> None:

@@ -22,7 +22,7 @@ def with_hidden_law(replay: "Replay", courses: Courses) -> "Replay":
 
     driven = []
     for manoeuvre in replay.manoeuvres:
-        course = courses[manoeuvre.name]
+        course = courses[manoeuvre.name.partition(" ")[0]]  # a part of a cut drive has its begin behind the name
         known, at = SAMPLE_TIME_S * np.arange(len(course)), manoeuvre.start_s + manoeuvre.time
         driven.append(np.stack([np.interp(at, known, wheel) for wheel in course.T], axis=1))
     return replay.with_terms([TermCourse(LAW_NAME, "brake_torque_factor", {"share": tuple(driven)}, {"share": 1.0})])

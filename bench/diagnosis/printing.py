@@ -56,7 +56,7 @@ def _print_causes(diagnosis: Diagnosis, console: Console) -> None:
         for row, text in enumerate(parameter_texts(cause)):
             cells = (text.name, text.value, text.interval, text.nominal, text.change)
             names = (plain(cause.effect), percent(cause.probability)) if row == 0 else ("", "")
-            table.add_row(*[*names, *cells, others if row == 0 else ""][: len(heads)])
+            table.add_row(*names, *cells, *([others] if any(groups) and row == 0 else []))
     console.print()
     console.print(table)
 

@@ -135,10 +135,12 @@ def _explanations(
     """
     if likeliest:
         yield likeliest
+    if len(likeliest) < 2:
+        return
     known, refused = [late.groups for late in large], [late.groups for late in likeliest]
-    most = len(known) + len(likeliest) - 1
-    for candidate in (sets, [one for one in sets if one.groups not in refused]) if len(likeliest) > 1 else ():
-        found = explain_lags(relations, candidate, proposed=True, most=most)
-        following = [late for late in found if late.groups not in known]
-        if 0 < len(following) < len(likeliest):
-            yield following
+    others = [one for one in sets if one.groups not in refused]
+    for candidate_sets in (sets, others):
+        found = explain_lags(relations, candidate_sets, proposed=True, most=len(known) + len(likeliest) - 1)
+        simpler = [late for late in found if late.groups not in known]
+        if 0 < len(simpler) < len(likeliest):
+            yield simpler

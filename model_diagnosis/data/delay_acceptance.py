@@ -26,11 +26,11 @@ than it shifts them. Correlation that is less sure than that, over gaps, is give
 _AGREEMENT_SHARE = 0.2
 """The same as a share of the delay: no physics shifts phases by 30 ms and more, and the two ways weigh frequencies
 differently."""
-_KINEMATIC = frozenset({"speed"})
-"""Group whose lag correlation tells for itself: the acceleration is the slope of the speed, with no tyre or brake
-between them. Innovations put 35 ms at 18 and 62 at 51 where numbers that were refitted to the late data have taken a
-part of the delay upon them, more than one step takes back. Refitted afresh at the correlation's delay they decide, by
-no more than that they shrink: the margin is there for what physics can do to phases."""
+_KINEMATIC, _SLOPE = frozenset({"speed"}), "longitudinal_acceleration"
+"""Group whose lag correlation tells for itself, and the channel that is its slope with no tyre or brake between them.
+Innovations put 35 ms at 18 and 62 at 51 (tuning seed 64) where numbers that were refitted to the late data have taken
+a part of the delay upon them, more than one step takes back. Refitted afresh at the correlation's delay they decide, by
+as little as a step of the refit has to gain: the margin is there for what physics can do to phases."""
 _MOST_STEPS = 10
 """Of the refit before the shifts; with a friction that is off by a third it takes eight."""
 _CONVERGED_SHARE = 0.1
@@ -95,9 +95,11 @@ def _by_chords(trials: "_Trials", needed: float) -> _Told | None:
 
 
 def _afresh(trials: "_Trials", needed: float, worth_a_step: float) -> _Told | None:
-    """A late set that correlation is sure of, where a refit from the vehicle file on leaves less than ``needed``."""
+    """A late set that correlation is sure of without a model, where a refit from the vehicle file on leaves less than
+    ``needed``."""
     late = trials.late
-    if late.groups != _KINEMATIC or late.gain <= PLAIN_GAIN:
+    has_slope = all(_SLOPE in one.channels for one in trials.base)
+    if late.groups != _KINEMATIC or late.gain <= PLAIN_GAIN or not has_slope:
         return None
     moved = trials.manoeuvres(round(late.delay_s / SAMPLE_TIME_S))
     last, score = refitted(trials.replay(trials.vehicle, moved), trials.last.chosen, worth_a_step)

@@ -12,7 +12,7 @@ from bench.challenge.hidden_law import LAW_NAME, Courses
 from bench.challenge.true_gain import fit_of_truth, gain_share, replay_of
 
 DRAWN_WITH: dict[str, Any] = {"seed": 10_007, "family": "unknown", "generator": "first"}  # a hysteresis
-MANOEUVRES = 8
+MANOEUVRES = 6 + 2  # those for the search and those held out
 
 
 @pytest.fixture(scope="module")

@@ -94,13 +94,3 @@ def test_the_page_lists_what_went_wrong(tmp_path: Path) -> None:
     page = _pages()["figures_page"]({file: read_score(file) for file in [_score(tmp_path, 7, 1, 2)]})
     rows = page.partition("| Seed/case |")[2].splitlines()[2:]
     assert rows == ["| 7/0 | clean | nothing | – | nothing | false alarm |"]
-
-
-def test_what_is_wrong_with_an_answer_in_words() -> None:
-    wrong_of = _pages()["wrong_of"]
-    single = CaseScore("case_0000", "single", "aero_drag", 6.0, "aero_drag", first=True, in_group=True)
-    assert wrong_of(single) == []
-    single.parameter_error, single.gain_share, single.stated = 0.2, 0.5, [(1.0, True), (0.99, False)]
-    assert wrong_of(single) == ["1 surplus", "value 20 % off", "50 % of the possible gain"]
-    fault = CaseScore("case_0001", "data_fault", "channel_swap", 0.0, "nothing", fault_named=False, physics_named=False)
-    assert wrong_of(fault) == ["fault not named"]

@@ -23,9 +23,9 @@ def torque_course(columns: FloatArray, kind: float, size: float) -> FloatArray:
     rates = np.gradient(pressures, 1.0 / RATE_HZ, axis=0)
     change = _changes(kind, size, columns[:, INDEX["speed"]], columns[:, INDEX["yaw_rate"]], pressures, rates)
     half = _PER_CYCLE // 2
-    ends = np.concatenate([change[:1].repeat(half, axis=0), change, change[-1:].repeat(_PER_CYCLE, axis=0)])
+    padded = np.concatenate([change[:1].repeat(half, axis=0), change, change[-1:].repeat(_PER_CYCLE, axis=0)])
     samples = -(-len(change) // _PER_CYCLE)
-    return np.stack([ends[k * _PER_CYCLE : (k + 1) * _PER_CYCLE].mean(axis=0) for k in range(samples)])
+    return np.stack([padded[k * _PER_CYCLE : (k + 1) * _PER_CYCLE].mean(axis=0) for k in range(samples)])
 
 
 @njit(cache=True)

@@ -3,6 +3,7 @@
 Logs are those of the challenge's generator; every number of its cars is off within its scatter.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -86,3 +87,14 @@ def test_a_logger_late_by_a_few_samples_is_found_beside_an_effect(index: int, hi
     (fault,) = [one for one in faults if one.unit == "s"]
     assert (fault.kind, fault.channel) == ("clock_offset", "speed")
     assert fault.value == pytest.approx(hidden_s, abs=0.005)
+
+
+def test_without_the_acceleration_nothing_tells_a_lag_of_the_speed_but_the_model(tmp_path: Path) -> None:
+    """The first of the two above: only its brakes are left to compare with, and physics delays what they do."""
+    vehicle, manoeuvres = drawn_logs(tmp_path, 64, 34, "single")
+    without = [
+        replace(one, channels={name: of for name, of in one.channels.items() if name != "longitudinal_acceleration"})
+        for one in manoeuvres
+    ]
+    faults, _ = check_data(without, vehicle, Replay)
+    assert [one.kind for one in faults if one.unit == "s"] == []
