@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from hydraulics.pressure import line_pressure, pressure_step
-from hydraulics.record import HOLD, INCREASE
+from hydraulics.record import HOLD, INCREASE, LONGEST_DELAY_STEPS
 from hydraulics.valves import stiffness
 from model_diagnosis.replay.record import Record
 from model_diagnosis.replay.state import SUBSTEPS
@@ -15,6 +15,9 @@ from model_diagnosis.replay.state import SUBSTEPS
 TICKS = 10
 """Steps of 1 ms within a sample."""
 _TICKS_OF_STEP = TICKS // SUBSTEPS
+
+_QUIET_SAMPLES = LONGEST_DELAY_STEPS // TICKS + 2
+"""Time without commands after which the unit remembers none."""
 
 _RELEASED_PA = 5e4
 
@@ -80,6 +83,40 @@ def _on_line(values: NDArray[np.float64], place: float) -> float:
 
 
 @njit(cache=True, nogil=True)
+def _row(place: float, rows: int) -> int:
+    """Sample at a place counted in samples; the first and the last one go on."""
+    return min(max(int(np.floor(place)), 0), rows - 1)
+
+
+@njit(cache=True, nogil=True)
+def _is_commanded(
+    inlet: NDArray[np.float64], outlet: NDArray[np.float64], pump: NDArray[np.float64], row: int
+) -> bool:
+    """True where a valve or the pump is switched on in a sample."""
+    for i in range(4):
+        if inlet[row, i] != 0.0 or outlet[row, i] != 0.0:
+            return True
+    return bool(pump[row] != 0.0)
+
+
+@njit(cache=True, nogil=True)
+def _rests(p: Record, s: Record, master: NDArray[np.float64], first: int, last: int) -> bool:
+    """True where a step would leave all as it is: brakes released, and no master pressure in these samples."""
+    if p.literal_event > 0.5 or p.rearm_near_target > 0.5:
+        return False
+    for row in range(first, last + 1):
+        if master[row] != 0.0:
+            return False
+    for i in range(4):
+        if s.previous_state[i] != INCREASE or s.pressure[i] != 0.0 or abs(s.supply_start[i]) >= p.threshold:
+            return False
+        # wherever the segment leads, at the next instant the line without pressure is its limit again
+        if s.difference[i] != s.target[i] or (s.difference[i] != 0.0 and s.segment_time[i] != 0.0):
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
 def hydraulic_run(
     parameters: NDArray[np.void],
     memory: NDArray[np.void],
@@ -128,12 +165,21 @@ def hydraulic_run(
     for i in range(4):
         s.previous_state[i] = -1
         s.pressure[i] = measured[0, i] if valid[0, i] > 0.0 else master[0]
-    for k in range(master.shape[0]):
-        if k > 0:
+    rows = master.shape[0]
+    read, commanded = 0, -_QUIET_SAMPLES  # samples whose commands have been looked at, and the last one with any
+    for k in range(rows):
+        while read <= _row(k + 0.5 + behind_commands, rows):
+            if _is_commanded(inlet, outlet, pump, read):
+                commanded = read
+            read += 1
+        is_quiet = _row(k - 0.5 + behind_commands, rows) - commanded >= _QUIET_SAMPLES
+        supplied_by = _row(k - 1.0 + behind_master, rows), _row(k + 1.0 + behind_master, rows)
+        # most of a drive is without brakes
+        if k > 0 and not (is_quiet and _rests(p, s, master, supplied_by[0], supplied_by[1])):
             for i in range(4):
                 begin[i] = s.pressure[i]
             for tick in range(TICKS):
-                nearest = min(max(int(np.floor(k - 0.5 + tick / TICKS + behind_commands)), 0), master.shape[0] - 1)
+                nearest = _row(k - 0.5 + tick / TICKS + behind_commands, rows)
                 supply = _on_line(master, k - 1 + (tick + 1) / TICKS + behind_master)
                 before_0, before_1, before_2, before_3 = s.pressure[0], s.pressure[1], s.pressure[2], s.pressure[3]
                 pressure_step(p, s, inlet[nearest], outlet[nearest], unused, supply, pump[nearest])
