@@ -38,6 +38,9 @@ def viscosity_ratio(temperature_c: float) -> float:
     return kinematic_viscosity(temperature_c) / kinematic_viscosity(REFERENCE_TEMPERATURE_C)
 
 
+_COMPLIANCE_AT_ATMOSPHERE = 1.0 / (POLYTROPIC_EXPONENT * ATMOSPHERE_PA)
+"""Of a bubble over its volume [1/Pa]."""
+
 _CELLS = 1024
 """Of the table of powers: 2e-6 of the value at 200 bar, where the error of cubic pieces (h^4 / 384 times the fourth
 derivative) is largest."""
@@ -83,5 +86,5 @@ def stiffness_share(parameters: Any, wheel: int, pressure: float) -> float:
     if air == 0.0:
         return 1.0
     ratio = ATMOSPHERE_PA / (ATMOSPHERE_PA + max(pressure, 0.0))
-    compliance = air / (POLYTROPIC_EXPONENT * ATMOSPHERE_PA) * compliance_share(ratio)
+    compliance = air * _COMPLIANCE_AT_ATMOSPHERE * compliance_share(ratio)
     return float(1.0 / (1.0 + parameters.caliper_stiffness[wheel] * compliance))

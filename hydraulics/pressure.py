@@ -113,9 +113,9 @@ def _continue_from(state: Any, wheel: int, mode: int, pressure: float) -> None:
 def softened(parameters: Any, state: Any, wheel: int, wanted: float) -> float:
     """Pressure after a step in which the flow would reach ``wanted`` without air in the wheel brake."""
     before = state.pressure[wheel]
-    share = stiffness_share(parameters, wheel, before)
-    if share == 1.0:
+    if parameters.air_volume[wheel] == 0.0 or wanted == before:
         return wanted
+    share = stiffness_share(parameters, wheel, before)
     middle = before + 0.5 * share * (wanted - before)  # gas stiffens a lot within a step
     return float(before + stiffness_share(parameters, wheel, middle) * (wanted - before))
 

@@ -113,9 +113,12 @@ def leak(parameters: Any, state: Any, wheel: int, pressure: float, line: float, 
     inlet, outlet, out = parameters.inlet_leak[wheel], parameters.outlet_leak[wheel], parameters.brake_leak[wheel]
     if inlet == 0.0 and outlet == 0.0 and out == 0.0:
         return pressure
-    per_volume = stiffness(parameters, wheel, pressure)
     gained = STEP_S * (inlet * (line - pressure) - out * pressure)
-    circuit = circuit_of(parameters, wheel)
-    released = min(STEP_S * outlet * max(pressure - low, 0.0), _room(parameters, state, circuit))
-    state.accumulator[circuit] += released
-    return max(pressure + per_volume * (gained - released), 0.0)
+    released = 0.0
+    if outlet != 0.0:
+        circuit = circuit_of(parameters, wheel)
+        released = min(STEP_S * outlet * max(pressure - low, 0.0), _room(parameters, state, circuit))
+        state.accumulator[circuit] += released
+    if gained == released:
+        return pressure
+    return max(pressure + stiffness(parameters, wheel, pressure) * (gained - released), 0.0)

@@ -20,6 +20,8 @@ _QUIET_SAMPLES = LONGEST_DELAY_STEPS // TICKS + 2
 """Time without commands after which the unit remembers none."""
 
 _RELEASED_PA = 5e4
+_NOTHING_PA = 0.01
+"""What is left of a returning pressure when it counts as back, a millionth of a sensor's noise: it would never be."""
 
 
 @njit(cache=True, nogil=True)
@@ -61,7 +63,7 @@ def _throttle_return(p: Record, s: Record, wheel: int, before: float, supply: fl
     """Keep the share ``kept`` of what a wheel's pressure has beyond the line that it returns to."""
     line = line_pressure(p, wheel, supply)
     slowest = line + kept * (before - line)
-    if before > line and s.pressure[wheel] < slowest:
+    if slowest > line + _NOTHING_PA and s.pressure[wheel] < slowest:
         _set_pressure(s, wheel, slowest)
 
 
