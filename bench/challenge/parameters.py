@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from signals.errors import BenchError
+
 _BY_EFFECT = {
     "tyre_friction": "front",
     "tyre_peak_shape": "sliding_loss",
@@ -38,6 +40,11 @@ def estimate_of(effect: Mapping[str, Any], parameters: Mapping[str, Mapping[str,
     """Estimate of a label's effect from the parameters of a cause; None where the cause has none for it.
 
     A relative effect's label is the physical value over the data sheet's, an absolute one's the physical value.
+
+    Raises
+    ------
+    BenchError
+        If the label's value is in another unit than the cause's: the two would be compared as if they were alike.
     """
     if effect["name"] == "disc_thickness_variation":
         return _amplitude(str(effect["place"]), parameters)
@@ -46,6 +53,13 @@ def estimate_of(effect: Mapping[str, Any], parameters: Mapping[str, Mapping[str,
         return None
     value, low, high, nominal = (float(found[key]) for key in ("value", "low", "high", "nominal"))
     if not effect["relative"]:
+        if found["unit"] != effect["unit"]:
+            raise BenchError(
+                f"the generator states {effect['name']} in another unit than the catalogue",
+                found=str(effect["unit"]),
+                allowed=str(found["unit"]),
+                mend="state it in the catalogue's unit",
+            )
         return Estimate(value, low, high)
     if nominal == 0.0:
         return Estimate(1.0 + value, 1.0 + low, 1.0 + high)

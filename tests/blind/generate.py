@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from hidden_effects.case import GENERATORS, Case, write_manifest
+from hidden_effects.effects import EFFECTS
 from hidden_effects.families import FAMILIES
 from hidden_effects.isolability import limits_table
 from hidden_effects.manoeuvres import tabulated
@@ -36,8 +37,16 @@ def main(arguments: list[str] | None = None) -> int:
         one.add_argument("--family", choices=FAMILIES)
         one.add_argument("--generator", choices=tuple(GENERATORS), default="first")
     commands.add_parser("limits", help="sizes from which the shipped manoeuvres show each effect, by theory")
+    commands.add_parser("effects", help="effects that can be hidden, with the units of their values")
     given = parser.parse_args(arguments)
-    called = {"cases": _cases, "separate": _separate, "courses": _courses, "further": _further, "limits": _limits}
+    called = {
+        "cases": _cases,
+        "separate": _separate,
+        "courses": _courses,
+        "further": _further,
+        "limits": _limits,
+        "effects": _effects,
+    }
     return called[given.command](given)
 
 
@@ -77,6 +86,14 @@ def _case(given: argparse.Namespace) -> Case:
 
 def _limits(given: argparse.Namespace) -> int:
     print(json.dumps(limits_table()))
+    return 0
+
+
+def _effects(given: argparse.Namespace) -> int:
+    facts = [
+        {"name": one.name, "unit": one.unit, "relative": one.relative, "places": one.places} for one in EFFECTS
+    ]
+    print(json.dumps(facts))
     return 0
 
 

@@ -98,9 +98,9 @@ def test_support_of_an_axle_takes_its_own_moment_from_the_springs(axle: int) -> 
     """Settled: (K - m g h) theta = -h sum F + tan(eps) F_axle times that axle's arm about the centre of gravity, with
     what the slowing wheels hand on to the body and less what rolling resistance turns it back."""
     press = Script("brake", 30.0, 4.0, ramps((0, 0), (0.5, 90), (9, 90)), nothing, nothing)
-    tangent = [0.0, 0.0]
-    tangent[axle] = 0.1
-    car = _changed(drag_area=0.0, support_tangent=tangent)
+    angle = [0.0, 0.0]
+    angle[axle] = math.atan(0.1)
+    car = _changed(drag_area=0.0, support_angle=angle)
     out = simulate(as_record(car), press.drive())
     force = _columns(out, "force_x")[-1]
     stiffness, _ = pitch_rates(as_record(car))

@@ -1,12 +1,17 @@
 """The generator as the challenge runs it: data sheet, files that the bench reads, look-alikes, further data."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from bench.challenge.generator import generate, generator_program, record_further, separate
+from bench.challenge.parameters import estimate_of
+from model_diagnosis.effects.catalogue import effect as find_effect
+from model_diagnosis.replay.parameters import nominal_value, values_of
 from signals.errors import BenchError
 from signals.measured.channel_map import load_channel_map
 from signals.measured.measured_log import read_log
@@ -48,6 +53,23 @@ def test_the_vehicle_file_of_a_case_is_the_generators_data_sheet(cases: list[Pat
     torque = 2.0 * numbers["brakes.front.pad_area"] * numbers["brakes.front.pad_friction"]
     assert torque * numbers["brakes.front.effective_radius"] == pytest.approx(13e-5)
     assert numbers["aerodynamics.drag_coefficient"] * numbers["aerodynamics.frontal_area"] == pytest.approx(0.8)
+
+
+def test_values_of_hidden_effects_are_in_the_units_of_the_catalogues(cases: list[Path]) -> None:
+    """``estimate_of`` raises where a label's value and a cause's have not the same unit."""
+    known = values_of(load_vehicle(cases[0] / "vehicle.yaml"))
+    printed = subprocess.run([sys.executable, str(generator_program()), "effects"], capture_output=True, check=True)
+    hidden = json.loads(printed.stdout)
+    scored = []
+    for one in hidden:
+        parameters = {}
+        for parameter in find_effect(one["name"]).parameters:
+            nominal, unit = nominal_value(parameter, known)
+            parameters[parameter.name] = {"value": 1.0, "low": 0.0, "high": 2.0, "unit": unit, "nominal": nominal}
+        place = next(iter(parameters)) if one["places"] else ""
+        scored.append(estimate_of({**one, "place": place}, parameters) is not None)
+    assert len(hidden) == 60
+    assert any(scored)
 
 
 def test_every_stated_scatter_belongs_to_a_number_of_the_file(cases: list[Path]) -> None:

@@ -59,8 +59,8 @@ def link_load(car: Any, force_x: FloatArray, force_y: FloatArray) -> float:
     (jacking, 2 h_R / track of the difference of the side forces). A body without heave takes it as a pair of forces.
     """
     front, rear = car.cg_to_front, car.wheelbase - car.cg_to_front
-    at_front = -(force_x[0] + force_x[1]) * car.support_tangent[0]
-    at_rear = (force_x[2] + force_x[3]) * car.support_tangent[1]
+    at_front = -(force_x[0] + force_x[1]) * math.tan(car.support_angle[0])
+    at_rear = (force_x[2] + force_x[3]) * math.tan(car.support_angle[1])
     at_front += (force_y[1] - force_y[0]) * 2.0 * car.roll_centre[0] / car.track
     at_rear += (force_y[3] - force_y[2]) * 2.0 * car.roll_centre[1] / car.track
     return (at_front * front - at_rear * rear) / car.wheelbase
@@ -72,7 +72,7 @@ def wheel_loads(car: Any, state: FloatArray, force_x: FloatArray, force_y: Float
     front_share = (car.wheelbase - car.cg_to_front) / car.wheelbase
     weight = car.mass * GRAVITY_M_S2
     stiffness, damping = pitch_rates(car)
-    pressure = 0.5 * car.air_density * (state[VX] + car.head_wind) ** 2
+    lifting = 0.5 * car.air_density * car.frontal_area * (state[VX] + car.head_wind) ** 2
     links = link_load(car, force_x, force_y)
     along = (stiffness * state[PITCH] + damping * state[PITCH_RATE]) / car.wheelbase + links
     for axle in range(2):
@@ -80,7 +80,7 @@ def wheel_loads(car: Any, state: FloatArray, force_x: FloatArray, force_y: Float
         side = force_y[2 * axle] + force_y[2 * axle + 1]
         across = (k * state[ROLL] + c * state[ROLL_RATE] + side * car.roll_centre[axle]) / car.track
         static = 0.5 * weight * (front_share if axle == 0 else 1.0 - front_share)
-        mean = static + (0.5 * along if axle == 0 else -0.5 * along) - 0.5 * pressure * car.lift_area[axle]
+        mean = static + (0.5 * along if axle == 0 else -0.5 * along) - 0.5 * lifting * car.lift_coefficient[axle]
         load[2 * axle] = max(mean - across, 0.0)
         load[2 * axle + 1] = max(mean + across, 0.0)
 

@@ -66,14 +66,14 @@ HYDRAULICS_AND_CHASSIS: tuple[HiddenEffect, ...] = (
     HiddenEffect(
         "anti_dive_anti_lift",
         "suspension",
-        "1",
+        "rad",
         False,
         0.01,
         16,
         BOTH,
-        add_at("support_tangent"),
+        add_at("support_angle"),
         2,
-        "support_tangent",
+        "support_angle",
         ("pitch_rate",),
     ),
     HiddenEffect(
@@ -169,15 +169,15 @@ HYDRAULICS_AND_CHASSIS: tuple[HiddenEffect, ...] = (
     HiddenEffect(
         "aero_lift_front_rear",
         "aerodynamics",
-        "m^2",
+        "1",
         False,
         0.01,
         30,
         BOTH,
-        add_at("lift_area"),
+        add_at("lift_coefficient"),
         2,
-        "lift_area",
-        smallest=12,
+        "lift_coefficient",
+        smallest=6,
     ),
     HiddenEffect(
         "head_wind", "aerodynamics", "m/s", False, 0.3, 40, BOTH, add("head_wind"), field="head_wind", smallest=11
