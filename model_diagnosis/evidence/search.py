@@ -202,11 +202,15 @@ class Search:
             stage.nothing_more = without
         if refit.hypothesis.value is None and self._cost_at_nothing_more(stage, refit.hypothesis) < fit.cost:
             fit = min(fit, self.fit_set(chosen, linearisation, stage.nothing_more.theta), key=_cost)
-        parts = self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta)
-        again = Refit(refit.hypothesis, fit, self._score(stage, refit.hypothesis, fit, parts), parts)
+        again = self.judged(stage, refit.hypothesis, fit, linearisation)
         others = (self._followed(stage, one, linearisation) if lowered else one for one in stage.refits)
         stage.refits = [again if one.hypothesis == again.hypothesis else one for one in others]
         return again, linearisation
+
+    def judged(self, stage: Stage, hypothesis: Hypothesis, fit: Fit, linearisation: Linearisation) -> Refit:
+        """A fit with its evidence against "nothing more"."""
+        parts = self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta)
+        return Refit(hypothesis, fit, self._score(stage, hypothesis, fit, parts), parts)
 
     def _followed(self, stage: Stage, refit: Refit, linearisation: Linearisation) -> Refit:
         """A refit after "nothing more" has found a lower minimum: from there where it is above it, scored anew."""

@@ -15,8 +15,8 @@ from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.form_heat import OwnDirection, own_direction
 from model_diagnosis.evidence.hypotheses import Hypothesis
 from model_diagnosis.evidence.law_errors import LAW_SHARE, evidence_beside_laws
-from model_diagnosis.evidence.quadratic import Quadratic
-from model_diagnosis.evidence.search import Candidate, Refit, Search, Stage, ratios
+from model_diagnosis.evidence.quadratic import Quadratic, total
+from model_diagnosis.evidence.search import Candidate, Refit, Search, Stage, linear_evidence, ratios
 
 FloatArray = NDArray[np.float64]
 
@@ -31,6 +31,9 @@ LEAST_SEEN = 1.0
 LATER_SHARE = 0.01
 """Share of the first cause's evidence that a further one needs: the law of an effect is right to a tenth of its size,
 and evidence goes with the square of what it leaves."""
+
+NEARLY = 0.9
+"""Least share of an effect's evidence that fewer of its deviations have if they are to stand for it."""
 
 
 @dataclass
@@ -153,8 +156,42 @@ class Selector:
                 self.refused.add(refit.hypothesis)
                 continue
             self.refused.discard(refit.hypothesis)
-            return refit, linearisation
+            return self._simpler(stage, refit, linearisation, needed) or (refit, linearisation)
         return None
+
+    def _simpler(
+        self, stage: Stage, refit: Refit, linearisation: Linearisation, needed: float
+    ) -> tuple[Refit, Linearisation] | None:
+        """An accepted effect with fewer of its deviations, where the others say less than a further effect had to.
+
+        They would make up for what its law gets wrong, and take a part of the value with them.
+        """
+        least = max(refit.evidence - max(needed, LATER_SHARE * refit.evidence), NEARLY * refit.evidence)
+        for smaller in self._worth_as_much(stage, refit):
+            left_out = sorted(set(refit.hypothesis.columns) - set(smaller.columns))
+            start = refit.fit.theta.copy()
+            start[left_out] = self.problem.priors.centre[left_out]
+            fit = self.search.fit_set((*stage.accepted, smaller), linearisation, start)
+            rough = self.search.judged(stage, smaller, fit, linearisation)
+            if rough.evidence < least:
+                continue
+            stage.refits = [*(one for one in stage.refits if one.hypothesis != smaller), rough]
+            again, at_again = self.search.polished(stage, rough)
+            if again.evidence >= least and not self._why_not(stage, rough, again, at_again, needed):
+                return again, at_again
+        return None
+
+    def _worth_as_much(self, stage: Stage, refit: Refit) -> list[Hypothesis]:
+        """Hypotheses with fewer deviations of a refit's effect that by its sensitivities say nearly what it does."""
+        own = refit.hypothesis
+        smaller = [
+            one
+            for one in self.search.hypotheses
+            if one.effect == own.effect and set(one.columns) < set(own.columns) and one.value is None
+        ]
+        evidence = linear_evidence(self.problem, total(refit.parts), [own, *smaller], stage.accepted)
+        near = [(one, value) for one, value in zip(smaller, evidence[1:], strict=True) if value > NEARLY * evidence[0]]
+        return [one for one, _ in sorted(near, key=lambda entry: (len(entry[0].columns), -entry[1]))]
 
     def _why_not(self, stage: Stage, rough: Refit, refit: Refit, linearisation: Linearisation, needed: float) -> str:
         """What speaks against accepting a refit, in words; "" for nothing."""

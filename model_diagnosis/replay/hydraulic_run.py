@@ -91,9 +91,7 @@ def _row(place: float, rows: int) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _is_commanded(
-    inlet: NDArray[np.float64], outlet: NDArray[np.float64], pump: NDArray[np.float64], row: int
-) -> bool:
+def _is_commanded(inlet: NDArray[np.float64], outlet: NDArray[np.float64], pump: NDArray[np.float64], row: int) -> bool:
     """True where a valve or the pump is switched on in a sample."""
     for i in range(4):
         if inlet[row, i] != 0.0 or outlet[row, i] != 0.0:

@@ -90,9 +90,7 @@ def _limits(given: argparse.Namespace) -> int:
 
 
 def _effects(given: argparse.Namespace) -> int:
-    facts = [
-        {"name": one.name, "unit": one.unit, "relative": one.relative, "places": one.places} for one in EFFECTS
-    ]
+    facts = [{"name": one.name, "unit": one.unit, "relative": one.relative, "places": one.places} for one in EFFECTS]
     print(json.dumps(facts))
     return 0
 
