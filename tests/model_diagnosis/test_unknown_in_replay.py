@@ -131,6 +131,7 @@ def test_the_extended_car_stops_like_the_measured_one(found: _Found, tmp_path: P
     assert abs(extended - measured) < 0.4 * abs(given - measured)
 
 
+@pytest.mark.nightly
 def test_a_car_off_its_nominals_has_no_unknown_term() -> None:
     """Rear tyres 10 % softer besides: a number that scatters is no term."""
     nominal, hidden = _cars()

@@ -77,7 +77,9 @@ def test_where_innovations_refuse_the_likeliest_late_channels_the_next_ones_are_
     ("index", "hidden_s"),
     [
         pytest.param(34, 0.0346, id="refitted numbers took half of the delay upon them"),
-        pytest.param(14, 0.0772, id="beside two channels that are not late another delay fits"),
+        pytest.param(
+            14, 0.0772, id="beside two channels that are not late another delay fits", marks=pytest.mark.nightly
+        ),
     ],
 )
 def test_a_logger_late_by_a_few_samples_is_found_beside_an_effect(index: int, hidden_s: float, tmp_path: Path) -> None:

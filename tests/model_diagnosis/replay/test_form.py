@@ -76,6 +76,7 @@ def test_transient_on_the_force_is_told_from_one_on_the_slip(hidden: Replay, lat
     assert _share(Replay(hidden.vehicle, manoeuvres)) == 1.0
 
 
+@pytest.mark.nightly
 def test_transient_is_told_where_the_calipers_are_slow(tmp_path: Path) -> None:
     """A brake that follows its pressure by 60 ms is late in every stop: without it the wrong form fits better."""
     vehicle, manoeuvres = hidden_logs(
@@ -84,6 +85,7 @@ def test_transient_is_told_where_the_calipers_are_slow(tmp_path: Path) -> None:
     assert _share(Replay(vehicle, manoeuvres)) == 1.0
 
 
+@pytest.mark.nightly
 def test_linkage_and_trail_of_another_car_are_told(tmp_path: Path) -> None:
     """The generator's rack yields to both front wheels' moments, its trail shortens with the slip across alone."""
     vehicle, manoeuvres = hidden_logs(
