@@ -203,6 +203,37 @@ def test_what_acts_by_valves_is_left_out_where_none_is_moved_and_changes_no_bit_
     assert moved[:, :, chosen.index(model.columns.index("outlet_valve_conductance.fl"))].any()
 
 
+@pytest.mark.parametrize(
+    "effect", ["", "form_return.lag", "caliper_air.fl", "hydraulic_leak.rr", "circuit_failure.first"]
+)
+@pytest.mark.parametrize("flows", [False, True])
+def test_steps_that_are_left_out_while_the_brakes_rest_change_no_bit(
+    car: VehicleFile, log: Manoeuvre, flows: bool, effect: str
+) -> None:
+    """A pump that runs with empty accumulators moves nothing, but has the unit stepped through the rest."""
+    model = Replay(car, [log])
+    unit, prepared = model.pressures.unit, model.prepared[0]
+    unit.flows = flows
+    pressed = np.clip(
+        np.concatenate([np.zeros(100), np.linspace(0, 6e6, 50), np.zeros(300), np.full(50, 3e6)]), 0, None
+    )
+    master = np.concatenate([pressed, np.zeros(200)])
+    n, none = len(master), np.zeros((len(master), 4))
+    assert prepared.hydraulics is not None
+    resting = replace(
+        prepared.hydraulics,
+        master=master, inlet=none, outlet=none, pump=np.zeros(n), cornering=np.zeros(n, dtype=np.bool_),
+    )  # fmt: skip
+    measured = 3e4 * np.random.default_rng(1).standard_normal((n, 4))  # draws the pressures up and down
+    deviations = {effect: model.parameters[model.columns.index(effect)].effect_std} if effect else {}
+    found, stepped = (
+        unit.wheels(deviations, one, measured + master[:, None], np.ones((n, 4)), noise=1.5e4)
+        for one in (resting, replace(resting, pump=np.ones(n)))
+    )
+    assert found[140:150].min() > 1e6
+    assert np.array_equal(found, stepped)
+
+
 def test_a_lost_command_of_a_valve_is_not_carried_on(car: VehicleFile, log: Manoeuvre) -> None:
     """The log holds the valves' commands for a frame more: the unit errs in that sample and not in those behind it."""
     row = 163  # the outlets open at 1.626 s
