@@ -33,7 +33,8 @@ LATER_SHARE = 0.01
 and evidence goes with the square of what it leaves."""
 
 NEARLY = 0.9
-"""Least share of an effect's evidence that fewer of its deviations have if they are to stand for it."""
+"""Least share of an effect's evidence that fewer of its deviations have if they are to stand for it: below some fifty
+the bar of a further effect alone would let them drop what is most of it."""
 
 
 @dataclass

@@ -173,9 +173,9 @@ def hydraulic_run(
                 commanded = read
             read += 1
         is_quiet = _row(k - 0.5 + behind_commands, rows) - commanded >= _QUIET_SAMPLES
-        supplied_by = _row(k - 1.0 + behind_master, rows), _row(k + 1.0 + behind_master, rows)
-        # most of a drive is without brakes
-        if k > 0 and not (is_quiet and _rests(p, s, master, supplied_by[0], supplied_by[1])):
+        first, last = _row(k - 1.0 + behind_master, rows), _row(k + 1.0 + behind_master, rows)  # that supply the steps
+        # brakes at rest, as in most of a drive, are not stepped
+        if k > 0 and not (is_quiet and _rests(p, s, master, first, last)):
             for i in range(4):
                 begin[i] = s.pressure[i]
             for tick in range(TICKS):

@@ -56,20 +56,24 @@ def test_the_vehicle_file_of_a_case_is_the_generators_data_sheet(cases: list[Pat
 
 
 def test_values_of_hidden_effects_are_in_the_units_of_the_catalogues(cases: list[Path]) -> None:
-    """``estimate_of`` raises where a label's value and a cause's have not the same unit."""
+    """``estimate_of`` raises where a label's value and a cause's have not the same unit.
+
+    A disc's thickness has an amplitude for its sine and cosine parts, and takes the way of its own.
+    """
     known = values_of(load_vehicle(cases[0] / "vehicle.yaml"))
     printed = subprocess.run([sys.executable, str(generator_program()), "effects"], capture_output=True, check=True)
     hidden = json.loads(printed.stdout)
-    scored = []
+    scored = set()
     for one in hidden:
         parameters = {}
         for parameter in find_effect(one["name"]).parameters:
             nominal, unit = nominal_value(parameter, known)
             parameters[parameter.name] = {"value": 1.0, "low": 0.0, "high": 2.0, "unit": unit, "nominal": nominal}
         place = next(iter(parameters)) if one["places"] else ""
-        scored.append(estimate_of({**one, "place": place}, parameters) is not None)
+        if estimate_of({**one, "place": place}, parameters) is not None:
+            scored.add(one["name"])
     assert len(hidden) == 60
-    assert any(scored)
+    assert {one["name"] for one in hidden} - scored == {"disc_thickness_variation"}
 
 
 def test_every_stated_scatter_belongs_to_a_number_of_the_file(cases: list[Path]) -> None:

@@ -214,10 +214,8 @@ def test_steps_that_are_left_out_while_the_brakes_rest_change_no_bit(
     model = Replay(car, [log])
     unit, prepared = model.pressures.unit, model.prepared[0]
     unit.flows = flows
-    pressed = np.clip(
-        np.concatenate([np.zeros(100), np.linspace(0, 6e6, 50), np.zeros(300), np.full(50, 3e6)]), 0, None
-    )
-    master = np.concatenate([pressed, np.zeros(200)])
+    pressed = np.linspace(0.0, 6e6, 50), np.full(50, 3e6)
+    master = np.concatenate([np.zeros(100), pressed[0], np.zeros(300), pressed[1], np.zeros(200)])
     n, none = len(master), np.zeros((len(master), 4))
     assert prepared.hydraulics is not None
     resting = replace(
