@@ -1,5 +1,6 @@
 """The bus side of a run: which ECU, on which link, started by whom."""
 
+import math
 import os
 import signal
 import tempfile
@@ -17,13 +18,11 @@ from bench.links.interface import Link
 from bench.loop.children import Child, on_helper_cores, start_module
 from bench.loop.ecu_sides import BarrierEcu, LinkedEcu, NoEcu
 from bench.loop.scheduling import CorePlan
-from bench.loop.tick import EcuSide
+from bench.loop.tick import TICK_S, EcuSide
 from bench.scenario.schema import Ecu, ScenarioFile
 from signals.errors import InputError, RunError
 
 BARRIER_NAME = "barrier"
-SILENCE_TICKS = 1000
-"""An ECU from which no good frame came for longer has fallen silent: far beyond what it may miss of its 20 ms cycle."""
 START_TIMEOUT_S = 60.0
 """Time for the emulated ECU's process to start, its code compiled or loaded."""
 
@@ -73,6 +72,8 @@ class Connection:
     ----------
     link_text : str
         Text of the link for people, "virtual" without one.
+    longest_silence_s : float
+        An ECU wanted alive from which no good frame came for longer has fallen silent.
     """
 
     side: EcuSide
@@ -80,6 +81,7 @@ class Connection:
     statistics: Callable[[], dict[str, Any]]
     ecu: Child | None = None
     expect: str = "alive"
+    longest_silence_s: float = math.inf
     barrier_folder: "tempfile.TemporaryDirectory[str] | None" = None
 
     def watch(self, silent_ticks: int) -> None:
@@ -96,10 +98,12 @@ class Connection:
             raise RunError(
                 f"the emulated ECU ended during the run (exit code {self.ecu.exit_code})", mend="see log.txt"
             )
-        if silent_ticks > SILENCE_TICKS:
+        silence_s = silent_ticks * TICK_S
+        if silence_s > self.longest_silence_s:
             raise RunError(
-                f"the ECU on {self.link_text} fell silent: no good frame for {silent_ticks / 1000:.1f} s",
-                mend="check its supply and the link, or declare ecu.expect: lost in the scenario",
+                f"the ECU on {self.link_text} fell silent: no good frame for {silence_s:.1f} s",
+                mend="check its supply and the link, allow more by ecu.longest_silence, or declare ecu.expect: lost in "
+                "the scenario",
             )
 
     def kill_ecu(self) -> None:
@@ -173,7 +177,11 @@ def connect(scenario: ScenarioFile, codec: Codec, cores: CorePlan, log: IO[bytes
 
         node = EcuNode(ecu.calibration, codec, silent=_starts_silent(ecu), protection=ecu.protection)
         return Connection(
-            InProcessEcu(node), "virtual", lambda: {"kind": "virtual", "ecu": node.statistics()}, expect=ecu.expect
+            InProcessEcu(node),
+            "virtual",
+            lambda: {"kind": "virtual", "ecu": node.statistics()},
+            expect=ecu.expect,
+            longest_silence_s=ecu.longest_silence,
         )
     if ecu.kind == "none" and ecu.link in (None, "virtual"):
         return Connection(NoEcu(), "virtual", lambda: {"kind": "virtual"}, expect="silent")
@@ -189,7 +197,7 @@ def _connect_link(scenario: ScenarioFile, codec: Codec, cores: CorePlan, log: IO
         return _in_real_time(ecu, link, _ecu_frames(codec, ecu), cores, log)
     side = LinkedEcu(link, ecu.first_answer)
     expect = ecu.expect if ecu.kind == "external" else "silent"
-    connection = Connection(side, link.text, link.statistics, expect=expect)
+    connection = Connection(side, link.text, link.statistics, expect=expect, longest_silence_s=ecu.longest_silence)
     if expect != "silent":
         _or_close(connection, lambda: side.wait_until_heard(_ecu_frames(codec, ecu)))
     return connection
@@ -219,7 +227,7 @@ def _in_real_time(ecu: Ecu, link: Link, ecu_frames: Receiver, cores: CorePlan, l
     child = _start_ecu(ecu, link, cores, log)
     # its first start compiles: that is the bench's time, not the ECU's
     side = LinkedEcu(link, max(ecu.first_answer, START_TIMEOUT_S))
-    connection = Connection(side, link.text, link.statistics, child, ecu.expect)
+    connection = Connection(side, link.text, link.statistics, child, ecu.expect, ecu.longest_silence)
     if ecu.expect != "silent":
         _or_close(connection, lambda: side.wait_until_heard(ecu_frames, lambda: child.exit_code is None))
     return connection
@@ -233,7 +241,7 @@ def _in_lockstep(ecu: Ecu, link: Link, cores: CorePlan, log: IO[bytes] | None) -
     server = BarrierServer(path)
     child = _start_ecu(ecu, link, cores, log, ("--barrier", path))
     side = BarrierEcu(link, server, may_be_lost=ecu.expect != "alive")
-    connection = Connection(side, link.text, link.statistics, child, ecu.expect, folder)
+    connection = Connection(side, link.text, link.statistics, child, ecu.expect, ecu.longest_silence, folder)
     _or_close(connection, lambda: server.wait_for_peer(START_TIMEOUT_S, lambda: child.exit_code is None))
     return connection
 

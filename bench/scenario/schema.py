@@ -59,6 +59,14 @@ class Ecu(FileModel):
     first_answer: float = parameter(
         "s", 5.0, low=0.1, high=600.0, description="wall-clock time within which the ECU has to answer"
     )
+    longest_silence: float = parameter(
+        "s",
+        1.0,
+        low=0.1,
+        high=600.0,
+        description="an ECU that is expected alive has fallen silent after this time without a good frame; one that "
+        "restarts during a run needs more",
+    )
 
     @model_validator(mode="after")
     def _killed(self) -> "Ecu":

@@ -7,6 +7,7 @@ import numpy as np
 from model_diagnosis.data.command_checks import command_fault, find_command
 from model_diagnosis.data.delay_acceptance import accepted_delays
 from model_diagnosis.data.delay_checks import (
+    INERTIAL,
     PLAIN_GAIN,
     LagRelation,
     Late,
@@ -23,6 +24,7 @@ from model_diagnosis.data.geometry import Geometry, geometry_of
 from model_diagnosis.data.level_checks import check_constant, check_load_sign, restore_wraps
 from model_diagnosis.data.low_pass_checks import check_low_pass
 from model_diagnosis.data.replayed import ReplayFactory, replayed_manoeuvres
+from model_diagnosis.data.replayed_filters import check_replayed_filters
 from model_diagnosis.data.swap_checks import check_swapped_wheels
 from model_diagnosis.data.undefined_values import check_free_wheels
 from model_diagnosis.data.undriven_forces import check_undriven_forces
@@ -62,7 +64,7 @@ def check_data(
     found, repaired = check_drift(repaired, geometry)
     faults += found
     replayable = replay if replay is not None and _can_be_replayed(repaired, vehicle, replay) else None
-    found, repaired = check_low_pass(repaired, geometry, _replayed(repaired, vehicle, replayable))
+    found, repaired = _check_filters(repaired, geometry, vehicle, replayable)
     faults += found
     found, large, repaired = _check_delays(repaired, geometry, vehicle, None)
     faults += found
@@ -91,6 +93,22 @@ def _replayed(
         return None
     model = replay(vehicle, manoeuvres)
     return replayed_manoeuvres(model, manoeuvres, np.zeros(len(model.columns)))
+
+
+def _check_filters(
+    manoeuvres: Sequence[Manoeuvre], geometry: Geometry, vehicle: VehicleFile, replay: ReplayFactory | None
+) -> tuple[list[DataFault], list[Manoeuvre]]:
+    """Low-passed channels: inertial ones that a replay predicts are judged by it, the others by their twins."""
+    replayed = _replayed(manoeuvres, vehicle, replay)
+    if replay is None or replayed is None:
+        return check_low_pass(manoeuvres, geometry)
+    driven = any(name.startswith(("drive_torque", "engine_torque")) for m in manoeuvres for name in m.channels)
+    # without a torque the replay is driven by this channel and follows it
+    own = () if driven else ("longitudinal_acceleration",)
+    predicted = [channel for channel in INERTIAL if channel not in own]
+    faults, repaired = check_replayed_filters(manoeuvres, replayed, predicted, vehicle, replay)
+    found, repaired = check_low_pass(repaired, geometry, replayed, (*own, "speed"))
+    return faults + found, repaired
 
 
 def _check_delays(

@@ -8,17 +8,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from model_diagnosis.data.delay_checks import PLAIN_GAIN, Late, shifted
+from model_diagnosis.data.innovations import log_innovation
 from model_diagnosis.data.replayed import FloatArray, ReplayFactory, ReplayModel
 from model_diagnosis.effects.catalogue import IMPOSTORS
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from vehicle_model.vehicle_file import VehicleFile
 
+_BEND_PHASES = (*IMPOSTORS, "pressure_sensor_lag")
+"""Effects of the refit; the last passes for late pressures, as a caliper's lag does for early ones."""
 _MARGIN = 200.0
 _MARGIN_SAMPLES = 43_200
-_ORDER = 4
 _FARTHEST = 2
 _AGREEMENT_S = 0.006
 """Difference between what innovations and correlation say above which neither is believed: physics bends phases more
@@ -49,9 +50,7 @@ def accepted_delays(
     accepted: list[Late] = []
     current = list(manoeuvres)
     model = replay(vehicle, current)
-    chosen = [k for k, column in enumerate(model.columns) if column.partition(".")[0] in IMPOSTORS]
-    samples = int(sum(np.sum(weight > 0.0) for weight in model.weights()))
-    margin = _MARGIN * min(1.0, samples / _MARGIN_SAMPLES)
+    chosen, margin = _impostors(model), _margin(model)
     worth_a_step = _CONVERGED_SHARE * margin
     last, score = refitted(model, chosen, worth_a_step)
     waiting = sorted(delays, key=lambda one: -one.gain)
@@ -69,6 +68,22 @@ def accepted_delays(
             break
         waiting = refused  # beside another late set, innovations draw a delay towards it
     return accepted, current
+
+
+def fitted_car(vehicle: VehicleFile, manoeuvres: Sequence[Manoeuvre], replay: ReplayFactory) -> FloatArray:
+    """Deviations (p,) of the car that fits the manoeuvres best, by the effects that shift phases."""
+    model = replay(vehicle, manoeuvres)
+    last, _ = refitted(model, _impostors(model), _CONVERGED_SHARE * _margin(model))
+    return innovations_after(model, last)[0]
+
+
+def _impostors(model: ReplayModel) -> list[int]:
+    return [k for k, column in enumerate(model.columns) if column.partition(".")[0] in _BEND_PHASES]
+
+
+def _margin(model: ReplayModel) -> float:
+    samples = int(sum(np.sum(weight > 0.0) for weight in model.weights()))
+    return _MARGIN * min(1.0, samples / _MARGIN_SAMPLES)
 
 
 @dataclass(frozen=True)
@@ -222,23 +237,7 @@ def _spread(residual: FloatArray, weight: FloatArray) -> FloatArray:
 
 def _score(residuals: Sequence[FloatArray], weights: Sequence[FloatArray]) -> float:
     return sum(
-        _log_innovation(residual[:, k], weight[:, k] > 0.0)
+        log_innovation(residual[:, k], weight[:, k] > 0.0)
         for residual, weight in zip(residuals, weights, strict=True)
         for k in range(residual.shape[1])
     )
-
-
-def _log_innovation(residual: FloatArray, present: NDArray[np.bool_]) -> float:
-    """N log σ of what an autoregression of order 4 cannot predict, over samples with all four before them."""
-    if present.sum() < 50:
-        return 0.0
-    values = np.where(present, residual, 0.0)
-    lagged = np.stack([values[_ORDER - k - 1 : len(values) - k - 1] for k in range(_ORDER)], axis=1)
-    rows = np.all(np.stack([present[_ORDER - k : len(values) - k] for k in range(_ORDER + 1)]), axis=0)
-    if rows.sum() < 50:  # a slow channel: its samples stand alone
-        return float(present.sum() * np.log(np.std(residual[present]) + 1e-12))
-    design, target = lagged[rows], values[_ORDER:][rows]
-    if not target.any():  # a replay that is driven by the channel itself says nothing of it
-        return 0.0
-    coefficients = np.linalg.solve(design.T @ design + 1e-5 * np.eye(_ORDER) * np.mean(target**2), design.T @ target)
-    return float(present.sum() * np.log(np.std(target - design @ coefficients) + 1e-12))

@@ -100,6 +100,17 @@ def test_silent_ecu_as_the_scenario_wants_it(pacing: str) -> None:
     assert len({run.data.digest() for run in runs}) == 1
 
 
+def test_how_long_an_ecu_may_be_silent_is_said_by_the_scenario(short_stop: Callable[..., ScenarioFile]) -> None:
+    """The ECU sends nothing for 0.5 s: an error where 0.2 s are allowed, none where 1 s is, as by default."""
+    off = {"name": "off", "trigger": {"from": 0.5}, "disturbance": {"off": {"node": "ecu"}}, "duration": 0.5}
+    run = bench.run(short_stop(faults=[off]), record=False)
+    assert 0.4 < run.data.array("age_valve_pump")[500:].max() < 0.6
+    assert not run.verdict.errors
+    with pytest.raises(RunError, match=r"fell silent: no good frame for 0\.[23] s") as raised:
+        bench.run(short_stop(faults=[off], ecu={"longest_silence": 0.2}), record=False)
+    assert "ecu.longest_silence" in str(raised.value)
+
+
 @pytest.mark.real_time
 def test_never_answers(short_stop: Callable[..., ScenarioFile]) -> None:
     external = short_stop(ecu={"kind": "external", "link": "udp_loopback", "first_answer": 0.3}, pacing="realtime")

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 GRAVITY_M_S2 = 9.81
 WHEELS = ("fl", "fr", "rl", "rr")
 BALANCE_SCATTER = 0.02
+MOST_SCATTERS = 3.0
+"""No healthy car's number is farther off: four are an effect that has to be named."""
 
 Numbers = dict[str, NDArray[np.float64]]
 
@@ -164,8 +166,16 @@ def nominal_car() -> Numbers:
     return {name: np.array(number.nominal, float) for name, number in DATA_SHEET.items()}
 
 
+def within_the_series(random: np.random.Generator, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Normal draws in units of the scatter; what is off by more than three does not leave the factory."""
+    draw = np.asarray(random.standard_normal(shape))
+    while (rejected := np.abs(draw) > MOST_SCATTERS).any():
+        draw = np.where(rejected, random.standard_normal(shape), draw)
+    return draw
+
+
 def draw_car(random: np.random.Generator) -> tuple[Numbers, dict[str, float]]:
-    """A car of the series: every number with a scatter is off by a normal draw.
+    """A car of the series: every number with a scatter is off by a normal draw within three scatters.
 
     Returns
     -------
@@ -176,16 +186,16 @@ def draw_car(random: np.random.Generator) -> tuple[Numbers, dict[str, float]]:
     for name, number in DATA_SHEET.items():
         if number.scatter == 0.0:
             continue
-        draw = random.standard_normal(() if number.common else car[name].shape)
+        draw = within_the_series(random, () if number.common else car[name].shape)
         change = number.scatter * draw
         car[name] = car[name] * (1.0 + change) if number.relative else car[name] + change
         if number.common:
             deviations[name] = float(draw)
         else:
             deviations |= {f"{name}_{wheel}": float(d) for wheel, d in zip(WHEELS, draw, strict=True)}
-    balance = BALANCE_SCATTER * random.standard_normal()
-    car["balance"] = car["balance"] + balance
-    deviations["balance"] = balance / BALANCE_SCATTER
+    balance = within_the_series(random, ())
+    car["balance"] = car["balance"] + BALANCE_SCATTER * balance
+    deviations["balance"] = float(balance)
     return car, deviations
 
 

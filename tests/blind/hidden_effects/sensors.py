@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 
-from hidden_effects.car import WHEELS, Number, Numbers
+from hidden_effects.car import WHEELS, Number, Numbers, within_the_series
 from hidden_effects.outputs import INDEX
 
 FloatArray = NDArray[np.float64]
@@ -74,7 +74,7 @@ def draw_sensors(random: np.random.Generator) -> Numbers:
     chain: Numbers = {}
     for name, number in SENSOR_SHEET.items():
         nominal = np.array(number.nominal, float)
-        change = number.scatter * random.standard_normal(nominal.shape)
+        change = number.scatter * within_the_series(random, nominal.shape)
         chain[name] = nominal * (1.0 + change) if number.relative else nominal + change
     chain["ring_error"] = np.abs(chain["ring_error"])
     return chain
