@@ -103,6 +103,7 @@ def test_other_offsets_after_the_pitch_gyroscopes(record: Callable[..., None]) -
         assert value < LIMITS[unit]
 
 
+@pytest.mark.nightly
 @pytest.mark.acceptance("B-51")
 def test_other_offsets_in_the_documents_cycle(record: Callable[..., None]) -> None:
     """As 7.1 averages, from 60 s after the onset on, they are back; at the instant of 60 s b_x is not.

@@ -62,7 +62,7 @@ def test_physics_that_lags_is_neither_filter_nor_delay(
 def test_only_the_other_loggers_clock_is_late(
     seed: int, index: int, family: str | None, hidden_s: float, tmp_path: Path
 ) -> None:
-    """Two cases of tuning seeds that were told wrongly; the clock within a fifth, for each car is off by its scatter."""
+    """Cases of tuning seeds that were told wrongly; the clock within a fifth, for each car is off by its scatter."""
     vehicle, manoeuvres = drawn_logs(tmp_path, seed, index, family)
     faults, _ = check_data(manoeuvres, vehicle, Replay)
     (found,) = [one for one in faults if one.unit == "s"]
