@@ -50,9 +50,9 @@ def accepted_delays(
     accepted: list[Late] = []
     current = list(manoeuvres)
     model = replay(vehicle, current)
-    chosen, margin = _impostors(model), _margin(model)
+    chosen, margin = _phase_columns(model), _margin(model)
     worth_a_step = _CONVERGED_SHARE * margin
-    last, score = refitted(model, chosen, worth_a_step)
+    last, _, score = refitted(model, chosen, worth_a_step)
     waiting = sorted(delays, key=lambda one: -one.gain)
     while waiting:
         refused = []
@@ -73,11 +73,12 @@ def accepted_delays(
 def fitted_car(vehicle: VehicleFile, manoeuvres: Sequence[Manoeuvre], replay: ReplayFactory) -> FloatArray:
     """Deviations (p,) of the car that fits the manoeuvres best, by the effects that shift phases."""
     model = replay(vehicle, manoeuvres)
-    last, _ = refitted(model, _impostors(model), _CONVERGED_SHARE * _margin(model))
-    return innovations_after(model, last)[0]
+    _, theta, _ = refitted(model, _phase_columns(model), _CONVERGED_SHARE * _margin(model))
+    return theta
 
 
-def _impostors(model: ReplayModel) -> list[int]:
+def _phase_columns(model: ReplayModel) -> list[int]:
+    """Columns of the effects that bend phases."""
     return [k for k, column in enumerate(model.columns) if column.partition(".")[0] in _BEND_PHASES]
 
 
@@ -117,7 +118,7 @@ def _afresh(trials: "_Trials", needed: float, worth_a_step: float) -> _Told | No
     if late.groups != _KINEMATIC or late.gain <= PLAIN_GAIN or not has_slope:
         return None
     moved = trials.manoeuvres(round(late.delay_s / SAMPLE_TIME_S))
-    last, score = refitted(trials.replay(trials.vehicle, moved), trials.last.chosen, worth_a_step)
+    last, _, score = refitted(trials.replay(trials.vehicle, moved), trials.last.chosen, worth_a_step)
     return _Told(late, moved, score, last) if score < needed else None
 
 
@@ -182,8 +183,10 @@ class Step:
     chosen: Sequence[int]
 
 
-def refitted(model: ReplayModel, chosen: Sequence[int], worth_a_step: float) -> tuple[Step, float]:
-    """The last step of a refit of the chosen columns, and Σ N log σ after it; steps go on while they gain that much.
+def refitted(model: ReplayModel, chosen: Sequence[int], worth_a_step: float) -> tuple[Step, FloatArray, float]:
+    """The last step of a refit of the chosen columns, deviations (p,) and Σ N log σ after it.
+
+    Steps go on while they gain as much as one is worth.
 
     A friction that is off by a third bends the phases of a stop in ways that one step from the vehicle file leaves.
     """
@@ -195,7 +198,7 @@ def refitted(model: ReplayModel, chosen: Sequence[int], worth_a_step: float) -> 
         gained, score = score - better, better
         if gained < worth_a_step:
             break
-    return step, score
+    return step, theta, score
 
 
 def innovations_after(model: ReplayModel, step: Step) -> tuple[FloatArray, float]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from model_diagnosis.data.delay_checks import INERTIAL
 from model_diagnosis.data.geometry import Geometry
 from model_diagnosis.data.lags import COARSE_STEP, correlations
 from model_diagnosis.data.low_pass import first_order, least_between, named_and_undone
@@ -17,7 +18,7 @@ from model_diagnosis.data.twins import AX_SPEED, AX_WHEELS, AY_YAW, YAW_WHEELS, 
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
 
-CHANNELS = ("longitudinal_acceleration", "lateral_acceleration", "yaw_rate", "speed")
+CHANNELS = (*INERTIAL, "speed")
 _TIME_CONSTANTS_S = np.geomspace(0.03, 5.0, 14)
 _BAND_HZ = (0.05, 4.0)
 _SLOW_BAND_HZ = (0.05, 1.5)
