@@ -1,33 +1,43 @@
 """A serial line between two processes, without wires."""
 
+import mmap
 import os
 import pty
-import threading
+import select
+import struct
+import subprocess
+import sys
 import tty
+from collections.abc import Sequence
+
+COUNTS = struct.Struct("QQ")
 
 
 class NullModem:
-    """Two pseudo-terminals joined by threads that copy bytes both ways.
+    """Two pseudo-terminals joined by a process that copies bytes both ways.
+
+    A process of its own: threads of the test would wait for the interpreter beside a loop that runs there.
 
     ``ends`` are their names, ``bytes_written`` what each end's process has written.
     """
 
     def __init__(self) -> None:
         self._pairs = [pty.openpty(), pty.openpty()]
-        self.bytes_written = [0, 0]
         for _, device in self._pairs:
             tty.setraw(device)
         self.ends = [os.ttyname(device) for _, device in self._pairs]
-        for here, there in ((0, 1), (1, 0)):
-            threading.Thread(target=self._copy, args=(here, there), daemon=True).start()
+        counted = os.memfd_create("bytes_written")
+        os.truncate(counted, COUNTS.size)
+        self._counts = mmap.mmap(counted, COUNTS.size)
+        descriptors = [self._pairs[0][0], self._pairs[1][0], counted]
+        command = [sys.executable, __file__, *map(str, descriptors)]
+        self._process = subprocess.Popen(command, pass_fds=descriptors)
+        os.close(counted)
 
-    def _copy(self, here: int, there: int) -> None:
-        try:
-            while data := os.read(self._pairs[here][0], 4096):
-                os.write(self._pairs[there][0], data)
-                self.bytes_written[here] += len(data)
-        except OSError:  # closed at the end of the test
-            return
+    @property
+    def bytes_written(self) -> tuple[int, int]:
+        """By the processes at end 0 and end 1."""
+        return COUNTS.unpack(self._counts[:])
 
     def disturb(self, end: int, stray: bytes) -> None:
         """Bytes that nobody has written arrive at an end."""
@@ -35,6 +45,40 @@ class NullModem:
 
     def close(self) -> None:
         """End both lines."""
+        self._process.kill()
+        self._process.wait()
         for descriptors in self._pairs:
             for descriptor in descriptors:
                 os.close(descriptor)
+        self._counts.close()
+
+
+def copy(lines: Sequence[int], counted: int) -> None:
+    """Bytes of each line to the other; what a full line does not take waits, as in a wire's driver."""
+    counts, sent = mmap.mmap(counted, COUNTS.size), [0, 0]
+    waiting = [b"", b""]  # from line 0, from line 1
+    for line in lines:
+        os.set_blocking(line, False)
+    while True:
+        readable = [line for line, data in zip(lines, waiting, strict=True) if not data]
+        writable = [lines[1 - k] for k, data in enumerate(waiting) if data]
+        ready, room, _ = select.select(readable, writable, [])
+        for k, line in enumerate(lines):
+            if line in ready:
+                waiting[k] = os.read(line, 4096)
+                sent[k] += len(waiting[k])
+            if waiting[k] and (lines[1 - k] in room or line in ready):
+                waiting[k] = _write(lines[1 - k], waiting[k])
+        counts[:] = COUNTS.pack(*sent)
+
+
+def _write(line: int, data: bytes) -> bytes:
+    """What the line did not take."""
+    try:
+        return data[os.write(line, data) :]
+    except BlockingIOError:
+        return data
+
+
+if __name__ == "__main__":
+    copy([int(text) for text in sys.argv[1:3]], int(sys.argv[3]))

@@ -21,6 +21,8 @@ TICK_S = 1e-3
 MOST_FRAMES = 64
 PAUSE_S = 0.03
 """Without a question: longer than the 20 ms after which the slave drops an unfinished word."""
+REPLY_S = 0.03
+"""For an answer: adapters on USB hold bytes back for up to 16 ms, and a late answer is better than none."""
 
 
 def out_of_step(answers: IntArray) -> bool:
@@ -55,7 +57,7 @@ def run_microcontroller(link: Link, device: str, baud_rate: int, ended: Callable
     answers = np.zeros(len(REQUESTS), np.int64)
     frames, heard = new_frames(MOST_FRAMES), new_frames(4096)
     try:
-        port = serial.Serial(device, baud_rate, timeout=0.01)
+        port = serial.Serial(device, baud_rate, timeout=REPLY_S)
     except (OSError, ValueError) as error:
         raise LinkError(
             f"{device}: {error}", mend="name the serial line of the SPI adapter: --spi /dev/ttyUSB0"

@@ -83,7 +83,7 @@ def await_questions(modem: NullModem, process: "subprocess.Popen[bytes]") -> Non
 
 
 @pytest.fixture
-def microcontroller() -> Iterator[tuple[str, str]]:
+def microcontroller() -> Iterator[tuple[str, str, "subprocess.Popen[bytes]"]]:
     """Serial line to, and CAN link of, a microcontroller in another process, which asks already."""
     modem = NullModem()
     link = f"udp:239.192.{secrets.randbelow(256)}.{1 + secrets.randbelow(250)}:{20000 + secrets.randbelow(20000)}"
@@ -91,7 +91,7 @@ def microcontroller() -> Iterator[tuple[str, str]]:
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     try:
         await_questions(modem, process)
-        yield modem.ends[0], link
+        yield modem.ends[0], link, process
     finally:
         process.terminate()
         process.wait(20)
@@ -101,10 +101,10 @@ def microcontroller() -> Iterator[tuple[str, str]]:
 @pytest.mark.real_time
 @pytest.mark.acceptance("F-11", "F-12")
 def test_microcontroller_of_its_own_reads_the_bench_s_sensor_block(
-    microcontroller: tuple[str, str], record: Callable[..., None]
+    microcontroller: tuple[str, str, "subprocess.Popen[bytes]"], record: Callable[..., None]
 ) -> None:
     """Real time, three processes: its frames reach estimator and ECU; the bench sends no inertial frames itself."""
-    device, link = microcontroller
+    device, link, process = microcontroller
     changes = {
         "pacing": "realtime",
         "ecu.kind": "emulated",
@@ -116,7 +116,8 @@ def test_microcontroller_of_its_own_reads_the_bench_s_sensor_block(
     run = bench.run(resolve(STOP, changes), record=False)
     inertial = run.frames[run.frames["identifier"] == INERTIAL]
     # of some 500 frames; a busy machine lets the microcontroller's process wait
-    assert len(inertial) > 100
+    assert process.poll() is None, f"the microcontroller ended with exit code {process.returncode}"
+    assert len(inertial) > 100, run.verdict.timing
     assert not (inertial["flags"] & TRANSMITTED).any()
     # a busy machine lets the processes wait: what they sent in time is what counts
     braking = (run.data.array("speed") < 0.9 * run.data.array("speed").max()) & (run.data.array("age_inertial") < 0.02)

@@ -117,3 +117,26 @@ def test_stray_bytes_on_either_side_cost_some_frames_only(tmp_path: Path, end: i
         finally:
             ended.set()
             master.join(5.0)
+
+
+def test_answers_held_back_as_by_an_adapter_on_usb_are_taken(tmp_path: Path) -> None:
+    """16 ms is the latency timer that FTDI's adapters start with (its application note AN232B-04)."""
+    block, modem = SensorBlock(tmp_path / "registers"), NullModem()
+    block.supply(True)
+    block.set(np.zeros(len(CHANNELS)), np.arange(len(CHANNELS)))
+    group = f"udp:239.192.{secrets.randbelow(256)}.{1 + secrets.randbelow(250)}:{20000 + secrets.randbelow(20000)}"
+    ended, size = threading.Event(), len(REQUESTS) * WORD_BYTES
+    counts: list[dict[str, int]] = []
+    with open_link(group, role="bench") as sending, serial.Serial(modem.ends[0], timeout=1.0) as port:
+        master = threading.Thread(
+            target=lambda: counts.append(run_microcontroller(sending, modem.ends[1], 1_000_000, ended.is_set))
+        )
+        master.start()
+        for _ in range(100):
+            port.read(size)
+            time.sleep(0.016)
+            port.write(b"".join(int(word).to_bytes(WORD_BYTES, "big") for word in _answers(block)))
+        ended.set()
+        master.join(5.0)
+        assert sending.statistics()["sent"] > 10
+    modem.close()
