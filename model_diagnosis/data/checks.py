@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from model_diagnosis.data.command_checks import command_fault, find_command
-from model_diagnosis.data.delay_acceptance import accepted_delays
+from model_diagnosis.data.delay_acceptance import accepted_delays, settled_delays
 from model_diagnosis.data.delay_checks import (
     INERTIAL,
     PLAIN_GAIN,
@@ -71,6 +71,7 @@ def check_data(
     if replayable is not None:
         replayed = _replayed(repaired, vehicle, replayable)
         large, repaired = refined_delays(large, lag_relations(repaired, geometry, replayed), repaired)
+        large, repaired = settled_delays(large, repaired, vehicle, replayable)
     faults += [fault_of(late) for late in large]
     if replayable is not None:
         found, small, repaired = _check_delays(repaired, geometry, vehicle, replayable)
@@ -134,9 +135,11 @@ def _check_delays(
     ]
     for late in large:
         repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
+    rest = [late for late in late_sets if late not in large]
     small: list[Late] = []
     if replay is not None:
-        for proposed in _explanations([late for late in late_sets if late not in large], large, relations, sets):
+        large, repaired = settled_delays(large, repaired, vehicle, replay)
+        for proposed in _explanations(rest, large, relations, sets):
             small, repaired = accepted_delays(proposed, repaired, vehicle, replay)
             if small:
                 break

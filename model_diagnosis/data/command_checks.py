@@ -17,7 +17,8 @@ from vehicle_model.vehicle_file import VehicleFile
 COMMANDED = ("brake_pressure", "steering")
 _LEAD_S = 0.02
 _QUIET = 0.15
-_LEAST_SAMPLES = 50
+_LEAST_SAMPLES = 100
+"""Moving ones: a ramp and the first pulses of an ABS look like noise of 7 kPa in 67 samples."""
 _USUAL_NOISE = {"brake_pressure": 1e4, "steering": 2e-3}
 
 

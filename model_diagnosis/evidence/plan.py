@@ -98,9 +98,12 @@ def _sensor(
 
 
 def _information(problem: Problem, replay: ReplayModel, theta: FloatArray, columns: Sequence[int]) -> FloatArray:
-    """J'J / T (p, p) of a planned manoeuvre in some columns, whitened as the data at hand was in the same signals."""
-    chosen = np.asarray(columns, dtype=np.int64)
-    raw = replay.sensitivities(theta, columns)
+    """J'J / T (p, p) of a planned manoeuvre in some columns, whitened as the data at hand was in the same signals.
+
+    Columns of single manoeuvres and of terms stand behind those that the planned replay has: they do not act there.
+    """
+    chosen = np.array([column for column in columns if column < len(replay.columns)], dtype=np.int64)
+    raw = replay.sensitivities(theta, chosen.tolist())
     matrices = typical_whitener(problem.whitener, replay).sensitivities(
         [values * problem.scale[chosen] for values in raw]
     )

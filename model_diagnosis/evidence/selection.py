@@ -208,7 +208,7 @@ class Selector:
                 "much as noise"
             )
         left *= self._beside_laws(refit.hypothesis, stage.accepted, refit.fit, linearisation)
-        if left <= needed:
+        if self.is_exact and left <= needed:
             return (
                 f"{left:.1f} is left of {refit.evidence:.1f} where the laws of what stands beside it may be off "
                 f"by {100.0 * LAW_SHARE:.0f} % in any signal and manoeuvre"

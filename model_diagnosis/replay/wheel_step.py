@@ -10,13 +10,12 @@ from numba import njit
 
 from model_diagnosis.replay.brake_step import brake_capacity
 from model_diagnosis.replay.lag_step import behind, followed
-from model_diagnosis.replay.record import Record
+from model_diagnosis.replay.record import COASTING_NM, Record
 from model_diagnosis.replay.tyre_step import LIGHTEST_N, warm_tread, wheel_forces
 
 _SLOWEST_M_S = 0.5
 """Least divisor of slips: the replay is compared above walking speed only."""
 _PRELOAD_SPAN_RAD_S = 0.5
-_COASTING_NM = 1.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -50,7 +49,7 @@ def drive_torque(p: Record, s: Record, i: int) -> float:
     omega = s.spin[i]
     turning = min(max(omega, -1.0), 1.0)
     torque -= p.drive_share[i] * (p.driveline_drag * turning + p.driveline_viscous * omega)
-    if p.engine_drag != 0.0 and s.drive_front + s.drive_rear <= _COASTING_NM:
+    if p.engine_drag != 0.0 and s.drive_front + s.drive_rear <= COASTING_NM:
         torque -= p.drive_share[i] * p.engine_drag * turning
     if p.locking_preload != 0.0 or p.locking_viscous != 0.0:
         slower = s.spin[i ^ 1] - omega

@@ -79,7 +79,8 @@ class LinearCar:
 
     def sensitivities(self, theta: FloatArray, columns: Sequence[int] | None = None) -> list[FloatArray]:
         chosen = np.arange(len(theta)) if columns is None else np.asarray(columns)
-        return [(matrix * (1.0 + 2.0 * self.bend * theta))[:, :, chosen] for matrix in self.matrices]
+        own = theta[: len(self.columns)]
+        return [(matrix * (1.0 + 2.0 * self.bend * own))[:, :, chosen] for matrix in self.matrices]
 
     def corrections(self, manoeuvre: int) -> FloatArray:
         """No observer."""

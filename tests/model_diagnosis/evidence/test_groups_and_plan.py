@@ -82,6 +82,30 @@ def test_the_plan_is_the_manoeuvre_that_separates_the_pair() -> None:
     assert nothing.name == "none"
 
 
+def test_a_column_of_a_single_manoeuvre_at_hand_does_not_act_in_a_planned_one() -> None:
+    """A friction that one manoeuvre alone has stands behind the catalogue's columns; a planned replay has none such."""
+    effects = [effect(name) for name in ("pads", "mass", "drag", "mu_step.m2")]
+    theta = np.array([0.3, 0.0, 0.0, 0.2])
+    car = LinearCar(effects, theta, 3, same=[(0, 1, 1.0)])
+    base = fit_base(car, Priors.of(car.parameters))
+
+    def simulate(_planned: PlannedManoeuvre, _theta: FloatArray) -> LinearCar:
+        return LinearCar(effects[:3], theta[:3], 9, manoeuvres=1)
+
+    pair = Pair("pads", "mass", (0,), base.problem.scaled(theta)[:1], (1,))
+    ratios, known = base.problem.priors.nuisance / base.problem.scale, base.at_nothing.information
+    other = PlannedManoeuvre("other", "", 20.0, 3.0)
+    asked = {
+        columns: plan(base.problem, known, theta, [pair], ratios, (), simulate, columns, (other,))
+        for columns in ((0, 1, 2), (0, 1, 2, 3))
+    }
+    with_it, without = asked[0, 1, 2, 3], asked[0, 1, 2]
+    assert with_it is not None
+    assert without is not None
+    assert with_it.name == "other"
+    assert with_it.expected_evidence == without.expected_evidence
+
+
 def test_the_library_has_thirty_manoeuvres_with_inputs_that_can_be_driven() -> None:
     assert len(LIBRARY) >= 30
     assert len({planned.name for planned in LIBRARY}) == len(LIBRARY)
