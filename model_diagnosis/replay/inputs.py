@@ -160,7 +160,7 @@ def _without_noise_at_zero(torque: FloatArray) -> FloatArray:
     What acts while no torque drives, the engine's drag, would be switched on and off by that noise.
     """
     level = min(max(COASTING_NM, _NOISE_STDS * noise_of(torque)), _LARGEST_NOISE_NM)
-    return np.where(np.abs(median_filter(torque, _SMOOTHING_SAMPLES, mode="nearest")) <= level, 0.0, torque)
+    return np.where(np.abs(median_filter(torque, _SMOOTHING_SAMPLES)) <= level, 0.0, torque)
 
 
 def _steer(channels: Mapping[str, FloatArray], vehicle: VehicleFile) -> FloatArray | None:
