@@ -5,11 +5,14 @@ import pytest
 from linear_car import NOISE_STD, LinearCar, effect
 from numpy.typing import NDArray
 
+from model_diagnosis.evidence.base import fit_base
 from model_diagnosis.evidence.fitting import Linearisation, Problem
 from model_diagnosis.evidence.form_heat import BLOCK_SAMPLES, OwnDirection, own_direction
+from model_diagnosis.evidence.hypotheses import hypotheses_of
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.quadratic import Quadratic
-from model_diagnosis.evidence.search import ratios
+from model_diagnosis.evidence.search import Search, ratios
+from model_diagnosis.evidence.selection import Selector
 from model_diagnosis.evidence.whitening import sensor_whitener
 
 COLUMNS = (2,)
@@ -115,3 +118,18 @@ def test_heat_takes_what_rests_on_the_data_and_leaves_what_rests_on_the_scatter(
     )
     tempered = OwnDirection(np.array([seen]), weak.information, 5.0, narrow, wide).tempered(gained)
     assert tempered == pytest.approx(exact.log_evidence(wide) - exact.log_evidence(narrow), rel=1e-9)
+
+
+def test_heat_refuses_an_exact_law_and_no_approximate_one() -> None:
+    """An effect whose response changes by 40 % from second to second; 59 was the bar of a term in the look at 1000004."""
+    truth = np.zeros(6)
+    truth[2] = 0.5
+    problem, _ = _problem(3, truth, drift=0.4)
+    car = problem.replay
+    base = fit_base(car, Priors.of(car.parameters))
+    named = {}
+    for is_exact in (True, False):
+        selector = Selector(Search(base.problem, hypotheses_of(car)), 59.0, is_exact=is_exact)
+        found = selector.run(base.nothing, base.at_nothing)
+        named[is_exact] = [car.effects[one.hypothesis.effect].name for one in found.accepted]
+    assert named == {True: [], False: ["e2"]}
