@@ -36,6 +36,10 @@ _MOST_STEPS = 10
 """Of the refit before the shifts; with a friction that is off by a third it takes eight."""
 _CONVERGED_SHARE = 0.1
 """Share of a delay's margin that a further step of the refit has to gain."""
+_UNSURE_S = 0.01
+"""Standard deviation of what correlation says from which an accepted delay is settled once more at where it then is."""
+_AGREEMENT_STDS = 2.5
+"""By how many standard deviations of their difference correlation and innovations may disagree on a large delay."""
 _INNOVATION_STD_S = 0.005
 """Standard deviation of the delay that innovations tell: half a sample, since only whole samples are tried."""
 
@@ -62,8 +66,10 @@ def accepted_delays(
             if told is None:
                 refused.append(late)
                 continue
-            accepted.append(told.late)
-            current, score, last = told.manoeuvres, told.score, told.last
+            named, current, score, last = told.late, told.manoeuvres, told.score, told.last
+            if late.std_s > _UNSURE_S:
+                named, current = _settled(replace(named, std_s=late.std_s), current, vehicle, replay)
+            accepted.append(named)
             if len(waiting) > 1:  # the numbers had taken a part of this delay upon them, and of what the others say
                 last, _, score = refitted(replay(vehicle, current), chosen, worth_a_step)
         if len(refused) == len(waiting):
@@ -101,7 +107,7 @@ def _settled(
     model = replay(vehicle, manoeuvres)
     last, _, score = refitted(model, _phase_columns(model), _CONVERGED_SHARE * _margin(model))
     trials = _Trials(late, manoeuvres, {0: score}, vehicle, replay, last)
-    allowed_s = max(_AGREEMENT_S, 2.0 * late.std_s)
+    allowed_s = _AGREEMENT_STDS * float(np.hypot(late.std_s, _INNOVATION_STD_S))
     rest_s = SAMPLE_TIME_S * _vertex(trials.score, _best_shift(trials.score, 0, round(allowed_s / SAMPLE_TIME_S)))
     shifted_s = SAMPLE_TIME_S * round(late.delay_s / SAMPLE_TIME_S)
     if abs(shifted_s + rest_s - late.delay_s) > allowed_s:
@@ -133,7 +139,8 @@ class _Told:
 def _by_chords(trials: "_Trials", needed: float) -> _Told | None:
     """The late set as correlation and innovations tell it; None where they disagree or leave ``needed`` and more."""
     late = trials.late
-    best = _best_shift(trials.score, round(late.delay_s / SAMPLE_TIME_S))
+    farthest = max(_FARTHEST, round(2.0 * late.std_s / SAMPLE_TIME_S))
+    best = _best_shift(trials.score, round(late.delay_s / SAMPLE_TIME_S), farthest)
     delay_s = SAMPLE_TIME_S * _vertex(trials.score, best)
     allowed_s = max(_AGREEMENT_S, 2.0 * late.std_s, _AGREEMENT_SHARE * abs(late.delay_s))
     if abs(delay_s - late.delay_s) >= allowed_s or trials.score(best) >= needed:
@@ -183,7 +190,7 @@ class _Trials:
         return self.tried[shift]
 
 
-def _best_shift(score_of: Callable[[int], float], start: int, farthest: int = _FARTHEST) -> int:
+def _best_shift(score_of: Callable[[int], float], start: int, farthest: int) -> int:
     """Whole samples of the smallest score, downhill from a first guess."""
     best = start
     for _ in range(farthest):
