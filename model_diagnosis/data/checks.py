@@ -17,6 +17,7 @@ from model_diagnosis.data.delay_checks import (
     lag_relations,
     refined_delays,
     shifted,
+    with_rests,
 )
 from model_diagnosis.data.drift_checks import check_drift
 from model_diagnosis.data.faults import distinct
@@ -66,16 +67,16 @@ def check_data(
     replayable = replay if replay is not None and _can_be_replayed(repaired, vehicle, replay) else None
     found, repaired = _check_filters(repaired, geometry, vehicle, replayable)
     faults += found
-    found, large, repaired = _check_delays(repaired, geometry, vehicle, None)
+    found, large, small, repaired = _check_delays(repaired, geometry, vehicle, None)
     faults += found
     if replayable is not None:
         replayed = _replayed(repaired, vehicle, replayable)
         large, repaired = refined_delays(large, lag_relations(repaired, geometry, replayed), repaired)
+        found, further, small, repaired = _check_delays(repaired, geometry, vehicle, replayable)
+        faults += found
+        large, small = with_rests([*large, *further], small)
         large, repaired = settled_delays(large, repaired, vehicle, replayable)
-    faults += [fault_of(late) for late in large]
-    if replayable is not None:
-        found, small, repaired = _check_delays(repaired, geometry, vehicle, replayable)
-        faults += found + [fault_of(late) for late in small]
+    faults += [fault_of(late) for late in (*large, *small)]
     return distinct(faults), repaired
 
 
@@ -114,8 +115,8 @@ def _check_filters(
 
 def _check_delays(
     manoeuvres: Sequence[Manoeuvre], geometry: Geometry, vehicle: VehicleFile, replay: ReplayFactory | None
-) -> tuple[list[DataFault], list[Late], list[Manoeuvre]]:
-    """Commands among the measurements, late channels, repaired manoeuvres.
+) -> tuple[list[DataFault], list[Late], list[Late], list[Manoeuvre]]:
+    """Commands among the measurements, late channels by correlation, those by innovations, repaired manoeuvres.
 
     With a replay the small delays too, each accepted by its innovations unless it is plainly large.
     """
@@ -135,15 +136,13 @@ def _check_delays(
     ]
     for late in large:
         repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
-    rest = [late for late in late_sets if late not in large]
     small: list[Late] = []
     if replay is not None:
-        large, repaired = settled_delays(large, repaired, vehicle, replay)
-        for proposed in _explanations(rest, large, relations, sets):
+        for proposed in _explanations([late for late in late_sets if late not in large], large, relations, sets):
             small, repaired = accepted_delays(proposed, repaired, vehicle, replay)
             if small:
                 break
-    return named, [*large, *small], repaired
+    return named, large, small, repaired
 
 
 def _explanations(

@@ -91,8 +91,8 @@ def settled_delays(
     """Late sets that were shifted already, with what the innovations of a refitted replay say beside correlation.
 
     Correlation tells 6 to 10 ms (clocks of 0.2 s and more came out 7 to 9 ms late in a look at seed 1000004), and
-    30 ms where a speed without its slope is compared with the wheels' slip. Where both disagree, something else is late
-    or wrong, which innovations would make up for.
+    30 ms where a speed without its slope is compared with the wheels' slip. What else is late has to be
+    shifted before. Where both disagree, something else is wrong, which innovations would make up for.
     """
     settled, current = [], list(manoeuvres)
     for late in large:

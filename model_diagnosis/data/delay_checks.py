@@ -280,6 +280,18 @@ def refined_delays(
     return refined, current
 
 
+def with_rests(first: Sequence[Late], later: Sequence[Late]) -> tuple[list[Late], list[Late]]:
+    """Late sets with what was found later of the same channels, which were shifted by both; the other later ones."""
+    rests = {late.channels: late for late in later}
+    whole = []
+    for late in first:
+        rest = rests.pop(late.channels, None)
+        if rest is not None:
+            late = replace(late, delay_s=SAMPLE_TIME_S * round(late.delay_s / SAMPLE_TIME_S) + rest.delay_s)
+        whole.append(late)
+    return whole, list(rests.values())
+
+
 def _price(late: Late, relations: Sequence[LagRelation], penalty: float) -> float:
     early = 0.0 if late.delay_s >= 0.0 or late.kind == "clock_offset" else 0.5 * penalty
     touched = {g for r in relations for g in (r.late, r.early)}

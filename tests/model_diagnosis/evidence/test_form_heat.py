@@ -121,7 +121,7 @@ def test_heat_takes_what_rests_on_the_data_and_leaves_what_rests_on_the_scatter(
 
 
 def test_heat_refuses_an_exact_law_and_no_approximate_one() -> None:
-    """An effect whose response changes by 40 % from second to second; 59 was the bar of a term in the look at 1000004."""
+    """An effect whose response changes by 40 % from second to second; 59 was the bar of a term at seed 1000004."""
     truth = np.zeros(6)
     truth[2] = 0.5
     problem, _ = _problem(3, truth, drift=0.4)
