@@ -25,6 +25,7 @@ STOP = Path(__file__).parents[1] / "bench" / "whole_runs" / "short_stop.yaml"
 LOCKSTEP = {"pacing": "lockstep", "ecu.kind": "inprocess", "estimators": {"friction_ekf": {}}}
 INERTIAL = 0x130
 START_PATIENCE_S = 120.0
+GRAVITY_M_S2 = 9.81
 
 
 def in_process(**changes: Any) -> bench.Run:
@@ -123,7 +124,9 @@ def test_microcontroller_of_its_own_reads_the_bench_s_sensor_block(
     braking = (run.data.array("speed") < 0.9 * run.data.array("speed").max()) & (run.data.array("age_inertial") < 0.02)
     seen = run.data.array("longitudinal_acceleration")[braking]
     true = run.data.array("true_longitudinal_acceleration")[braking]
-    record("mean deceleration over SPI and CAN, m/s²", float(-seen.mean()), f"{-true.mean():.2f} ± 0.5, true")
-    assert seen.mean() == pytest.approx(true.mean(), abs=0.5)
+    # an accelerometer in a body that dives reads gravity too
+    felt = true - GRAVITY_M_S2 * np.sin(run.data.array("pitch_angle")[braking])
+    record("mean deceleration over SPI and CAN, m/s²", float(-seen.mean()), f"{-felt.mean():.2f} ± 0.2, as felt")
+    assert seen.mean() == pytest.approx(felt.mean(), abs=0.2)
     assert run.data.array("friction_ekf.active").max() == 1
     assert run.verdict.timing["sensor_cluster"]["answered"] > 1000
