@@ -31,7 +31,7 @@ class NullModem:
         self._counts = mmap.mmap(counted, COUNTS.size)
         descriptors = [self._pairs[0][0], self._pairs[1][0], counted]
         command = [sys.executable, __file__, *map(str, descriptors)]
-        self._process = subprocess.Popen(command, pass_fds=descriptors)
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, pass_fds=descriptors)
         os.close(counted)
 
     @property
@@ -45,8 +45,7 @@ class NullModem:
 
     def close(self) -> None:
         """End both lines."""
-        self._process.kill()
-        self._process.wait()
+        self._process.communicate()
         for descriptors in self._pairs:
             for descriptor in descriptors:
                 os.close(descriptor)
@@ -54,15 +53,17 @@ class NullModem:
 
 
 def copy(lines: Sequence[int], counted: int) -> None:
-    """Bytes of each line to the other; what a full line does not take waits, as in a wire's driver."""
+    """Bytes of each line to the other until standard input ends; what a full line does not take waits."""
     counts, sent = mmap.mmap(counted, COUNTS.size), [0, 0]
     waiting = [b"", b""]  # from line 0, from line 1
     for line in lines:
         os.set_blocking(line, False)
     while True:
-        readable = [line for line, data in zip(lines, waiting, strict=True) if not data]
+        readable = [sys.stdin.fileno(), *(line for line, data in zip(lines, waiting, strict=True) if not data)]
         writable = [lines[1 - k] for k, data in enumerate(waiting) if data]
         ready, room, _ = select.select(readable, writable, [])
+        if sys.stdin.fileno() in ready:  # by the test's end, however it ended
+            return
         for k, line in enumerate(lines):
             if line in ready:
                 waiting[k] = os.read(line, 4096)

@@ -74,6 +74,7 @@ def check_data(
         large, repaired = refined_delays(large, lag_relations(repaired, geometry, replayed), repaired)
         found, further, small, repaired = _check_delays(repaired, geometry, vehicle, replayable)
         faults += found
+        large, further = with_rests(large, further)
         large, small = with_rests([*large, *further], small)
         large, repaired = settled_delays(large, repaired, vehicle, replayable)
     faults += [fault_of(late) for late in (*large, *small)]

@@ -53,25 +53,25 @@ def accepted_delays(
     """
     accepted: list[Late] = []
     current = list(manoeuvres)
-    model = replay(vehicle, current)
-    chosen, margin = _phase_columns(model), _margin(model)
-    worth_a_step = _CONVERGED_SHARE * margin
-    last, _, score = refitted(model, chosen, worth_a_step)
+    last: Step | None = None
     waiting = sorted(delays, key=lambda one: -one.gain)
     while waiting:
         refused = []
         for late in waiting:
+            if last is None:  # what is not shifted yet, the numbers take a part of upon them
+                model = replay(vehicle, current)
+                margin = _margin(model)
+                last, _, score = _refitted_phases(model)
             trials = _Trials(late, current, {0: score}, vehicle, replay, last)
-            told = _by_chords(trials, score - margin) or _afresh(trials, score - worth_a_step, worth_a_step)
+            told = _by_chords(trials, score - margin) or _afresh(trials, score - _CONVERGED_SHARE * margin)
             if told is None:
                 refused.append(late)
                 continue
-            named, current, score, last = told.late, told.manoeuvres, told.score, told.last
+            named, current = told
             if late.std_s > _UNSURE_S:
                 named, current = _settled(replace(named, std_s=late.std_s), current, vehicle, replay)
             accepted.append(named)
-            if len(waiting) > 1:  # the numbers had taken a part of this delay upon them, and of what the others say
-                last, _, score = refitted(replay(vehicle, current), chosen, worth_a_step)
+            last = None
         if len(refused) == len(waiting):
             break
         waiting = refused  # beside another late set, innovations draw a delay towards it
@@ -80,9 +80,7 @@ def accepted_delays(
 
 def fitted_car(vehicle: VehicleFile, manoeuvres: Sequence[Manoeuvre], replay: ReplayFactory) -> FloatArray:
     """Deviations (p,) of the car that fits the manoeuvres best, by the effects that shift phases."""
-    model = replay(vehicle, manoeuvres)
-    _, theta, _ = refitted(model, _phase_columns(model), _CONVERGED_SHARE * _margin(model))
-    return theta
+    return _refitted_phases(replay(vehicle, manoeuvres))[1]
 
 
 def settled_delays(
@@ -104,8 +102,8 @@ def settled_delays(
 def _settled(
     late: Late, manoeuvres: list[Manoeuvre], vehicle: VehicleFile, replay: ReplayFactory
 ) -> tuple[Late, list[Manoeuvre]]:
-    model = replay(vehicle, manoeuvres)
-    last, _, score = refitted(model, _phase_columns(model), _CONVERGED_SHARE * _margin(model))
+    """A late set by both values, weighted, and manoeuvres so shifted; both as they were where the values disagree."""
+    last, _, score = _refitted_phases(replay(vehicle, manoeuvres))
     trials = _Trials(late, manoeuvres, {0: score}, vehicle, replay, last)
     allowed_s = _AGREEMENT_STDS * float(np.hypot(late.std_s, _INNOVATION_STD_S))
     rest_s = SAMPLE_TIME_S * _vertex(trials.score, _best_shift(trials.score, 0, round(allowed_s / SAMPLE_TIME_S)))
@@ -116,9 +114,10 @@ def _settled(
     return told, trials.manoeuvres(round((told.delay_s - shifted_s) / SAMPLE_TIME_S))
 
 
-def _phase_columns(model: ReplayModel) -> list[int]:
-    """Columns of the effects that bend phases."""
-    return [k for k, column in enumerate(model.columns) if column.partition(".")[0] in _BEND_PHASES]
+def _refitted_phases(model: ReplayModel) -> tuple["Step", FloatArray, float]:
+    """Refit of the effects that bend phases: its last step, deviations (p,) and Σ N log σ after it."""
+    chosen = [k for k, column in enumerate(model.columns) if column.partition(".")[0] in _BEND_PHASES]
+    return refitted(model, chosen, _CONVERGED_SHARE * _margin(model))
 
 
 def _margin(model: ReplayModel) -> float:
@@ -126,14 +125,8 @@ def _margin(model: ReplayModel) -> float:
     return _MARGIN * min(1.0, samples / _MARGIN_SAMPLES)
 
 
-@dataclass(frozen=True)
-class _Told:
-    """An accepted late set, the manoeuvres shifted by it, their score and the last step of the refit behind it."""
-
-    late: Late
-    manoeuvres: list[Manoeuvre]
-    score: float
-    last: "Step"
+_Told = tuple[Late, list[Manoeuvre]]
+"""An accepted late set and the manoeuvres shifted by it."""
 
 
 def _by_chords(trials: "_Trials", needed: float) -> _Told | None:
@@ -146,11 +139,10 @@ def _by_chords(trials: "_Trials", needed: float) -> _Told | None:
     if abs(delay_s - late.delay_s) >= allowed_s or trials.score(best) >= needed:
         return None
     told = _combined(late, delay_s)
-    shift = round(told.delay_s / SAMPLE_TIME_S)
-    return _Told(told, trials.manoeuvres(shift), trials.score(shift), trials.last)
+    return told, trials.manoeuvres(round(told.delay_s / SAMPLE_TIME_S))
 
 
-def _afresh(trials: "_Trials", needed: float, worth_a_step: float) -> _Told | None:
+def _afresh(trials: "_Trials", needed: float) -> _Told | None:
     """A late set that correlation is sure of without a model, where a refit from the vehicle file on leaves less than
     ``needed``."""
     late = trials.late
@@ -158,8 +150,8 @@ def _afresh(trials: "_Trials", needed: float, worth_a_step: float) -> _Told | No
     if late.groups != _KINEMATIC or late.gain <= PLAIN_GAIN or not has_slope:
         return None
     moved = trials.manoeuvres(round(late.delay_s / SAMPLE_TIME_S))
-    last, _, score = refitted(trials.replay(trials.vehicle, moved), trials.last.chosen, worth_a_step)
-    return _Told(late, moved, score, last) if score < needed else None
+    _, _, score = _refitted_phases(trials.replay(trials.vehicle, moved))
+    return (late, moved) if score < needed else None
 
 
 def _combined(late: Late, delay_s: float) -> Late:

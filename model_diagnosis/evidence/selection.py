@@ -200,19 +200,8 @@ class Selector:
             return f"{refit.evidence:.1f} is left of {rough.evidence:.1f} once both fits have converged"
         if self._bic_change(refit.fit, stage.nothing_more, refit.hypothesis) >= 0.0:
             return "BIC_eff does not fall"
-        own = self._direction(refit.hypothesis, stage.accepted, refit.fit, linearisation)
-        left = self._tempered(own, refit.hypothesis, stage.accepted, refit.fit, stage.nothing_more)
-        if self.is_exact and left <= needed:
-            return (
-                f"{left:.1f} is left of {refit.evidence:.1f}, for what it explains scatters {own.heat:.1f} times as "
-                "much as noise"
-            )
-        left *= self._beside_laws(refit.hypothesis, stage.accepted, refit.fit, linearisation)
-        if self.is_exact and left <= needed:
-            return (
-                f"{left:.1f} is left of {refit.evidence:.1f} where the laws of what stands beside it may be off "
-                f"by {100.0 * LAW_SHARE:.0f} % in any signal and manoeuvre"
-            )
+        if self.is_exact and (why := self._too_little_left(stage, refit, linearisation, needed)):
+            return why
         check = leave_one_out(
             refit.parts,
             ratios(self.problem, stage.accepted),
@@ -223,6 +212,23 @@ class Selector:
             return (
                 f"it does not predict the manoeuvres left out (sum {check.differences.sum():.1f}, worst "
                 f"{check.differences.min():.1f})"
+            )
+        return ""
+
+    def _too_little_left(self, stage: Stage, refit: Refit, linearisation: Linearisation, needed: float) -> str:
+        """Why heat of its own direction or errors of the other laws leave too little of an exact law, in words."""
+        own = self._direction(refit.hypothesis, stage.accepted, refit.fit, linearisation)
+        left = self._tempered(own, refit.hypothesis, stage.accepted, refit.fit, stage.nothing_more)
+        if left <= needed:
+            return (
+                f"{left:.1f} is left of {refit.evidence:.1f}, for what it explains scatters {own.heat:.1f} times as "
+                "much as noise"
+            )
+        left *= self._beside_laws(refit.hypothesis, stage.accepted, refit.fit, linearisation)
+        if left <= needed:
+            return (
+                f"{left:.1f} is left of {refit.evidence:.1f} where the laws of what stands beside it may be off "
+                f"by {100.0 * LAW_SHARE:.0f} % in any signal and manoeuvre"
             )
         return ""
 

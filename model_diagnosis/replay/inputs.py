@@ -40,7 +40,7 @@ _SMOOTHING_SAMPLES = 11
 _NOISE_STDS = 2.0
 """Of a torque's noise, five standard deviations of the median over 0.11 s."""
 _LARGEST_NOISE_NM = 20.0
-"""What varies more is no noise of a sensor but a torque."""
+"""More drives the car, whatever the noise: a rolling resistance of 1 % takes 44 N m of 1.5 t on wheels of 0.3 m."""
 _RELEASE_SAMPLES = 10
 _START_SAMPLES = 20
 

@@ -179,10 +179,10 @@ REPLAY_RECORD = np.dtype(
 
 # columns of the inputs of a manoeuvre
 INPUT_PRESSURE, INPUT_DRIVE_FRONT, INPUT_DRIVE_REAR, INPUT_STEER, INPUT_GRADE, INPUT_BANK = 0, 4, 5, 6, 7, 8
-COASTING_NM = 1.0
-"""Drive torque of both axles up to which the engine drags."""
 INPUTS = 9
 """Wheel pressures [Pa], drive torque of the axles [N m], road-wheel angle [rad], grade and bank of the road."""
+COASTING_NM = 1.0
+"""Drive torque of both axles up to which the engine drags."""
 
 # and of terms that no effect is, where there are any
 INPUT_BRAKE_SHARE, INPUT_GRIP_SHARE, INPUT_FORCE_X, INPUT_FORCE_Y, INPUT_YAW_MOMENT = 9, 13, 17, 18, 19

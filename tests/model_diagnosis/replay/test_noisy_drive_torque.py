@@ -25,7 +25,8 @@ def _noisy(log: Manoeuvre) -> Manoeuvre:
 
 
 def test_the_engines_drag_acts_as_without_noise(car: VehicleFile, driven: Manoeuvre) -> None:
-    """60 N m slow the car by T / (m r), in every sample alike: a twentieth of a series accelerometer's 0.05 m/s^2."""
+    """60 N m slow the car by T / (m r), less what the wheels' inertia takes, in every sample alike: they differ by less
+    than a twentieth of a series accelerometer's noise of 0.05 m/s^2."""
     deceleration = []
     for log in (driven, _noisy(driven)):
         replay = Replay(car, [log])
@@ -37,7 +38,6 @@ def test_the_engines_drag_acts_as_without_noise(car: VehicleFile, driven: Manoeu
     plain, noisy = deceleration
     coasting = (driven.time > 0.5) & (driven.time < 1.8) | (driven.time > 5.5)
     force = 60.0 / (car.body.mass * car.wheels.rl.radius)
-    # the wheels' inertia takes a share
     assert np.median(plain[coasting]) == pytest.approx(force, rel=0.05)
     assert np.max(np.abs(noisy - plain)[coasting]) < 0.0025
 
