@@ -10,12 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.derived import GRAVITY
 from model_diagnosis.replay.record import (
-    COASTING_NM,
     INPUT_BANK,
     INPUT_DRIVE_FRONT,
     INPUT_DRIVE_REAR,
@@ -23,7 +21,6 @@ from model_diagnosis.replay.record import (
     INPUT_STEER,
     INPUTS,
 )
-from model_diagnosis.replay.smoothing import noise_of
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -37,10 +34,6 @@ _LARGEST_INFERRED_M_S2 = 2.0
 """Acceleration, along or across, up to which wheels are compared where its cause was not measured."""
 
 _SMOOTHING_SAMPLES = 11
-_NOISE_STDS = 2.0
-"""Of a torque's noise, five standard deviations of the median over 0.11 s."""
-_LARGEST_NOISE_NM = 20.0
-"""More drives the car, whatever the noise: a rolling resistance of 1 % takes 44 N m of 1.5 t on wheels of 0.3 m."""
 _RELEASE_SAMPLES = 10
 _START_SAMPLES = 20
 
@@ -140,7 +133,7 @@ def _write_drive(values: FloatArray, channels: Mapping[str, FloatArray], vehicle
     found = False
     for column, name in ((INPUT_DRIVE_FRONT, "drive_torque_f"), (INPUT_DRIVE_REAR, "drive_torque_r")):
         if name in channels:
-            values[:, column] = _without_noise_at_zero(channels[name])
+            values[:, column] = channels[name]
             found = True
     if not found and "engine_torque" in channels and "gear" in channels:
         line = vehicle.driveline
@@ -152,15 +145,6 @@ def _write_drive(values: FloatArray, channels: Mapping[str, FloatArray], vehicle
         values[:, INPUT_DRIVE_FRONT], values[:, INPUT_DRIVE_REAR] = front * torque, (1.0 - front) * torque
         found = True
     return found
-
-
-def _without_noise_at_zero(torque: FloatArray) -> FloatArray:
-    """Measured torque (n,) that is exactly 0 where only its sensor's noise is left.
-
-    What acts while no torque drives, the engine's drag, would be switched on and off by that noise.
-    """
-    level = min(max(COASTING_NM, _NOISE_STDS * noise_of(torque)), _LARGEST_NOISE_NM)
-    return np.where(np.abs(median_filter(torque, _SMOOTHING_SAMPLES)) <= level, 0.0, torque)
 
 
 def _steer(channels: Mapping[str, FloatArray], vehicle: VehicleFile) -> FloatArray | None:

@@ -15,7 +15,7 @@ from model_diagnosis.replay.hydraulic import HydraulicLog, read_hydraulics
 from model_diagnosis.replay.inputs import SLOWEST_M_S, Inputs, read_inputs, reference_speed, start_of, turning
 from model_diagnosis.replay.phases import Phases, phases_of
 from model_diagnosis.replay.record import CORRECTED, OUTPUTS
-from model_diagnosis.replay.smoothing import pressure_without_noise
+from model_diagnosis.replay.smoothing import pressure_without_noise, torque_without_noise_at_rest
 from model_diagnosis.replay.state import SUBSTEPS
 from signals.errors import InputError
 from signals.wheels import WHEELS
@@ -24,6 +24,7 @@ from vehicle_model.vehicle_file import VehicleFile
 FloatArray = NDArray[np.float64]
 
 PRESSURES = tuple(f"brake_pressure_{wheel}" for wheel in WHEELS)
+_DRIVE_TORQUES = ("drive_torque_f", "drive_torque_r")
 
 COMPARED = (
     *(f"wheel_speed_{wheel}" for wheel in WHEELS),
@@ -147,10 +148,9 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile, car: np.void, number: in
             allowed="all four wheel speeds, or speed",
             mend="map them in the channel map",
         )
-    driving = {
-        name: pressure_without_noise(values) if name in (*PRESSURES, "master_pressure") else values
-        for name, values in channels.items()
-    }
+    driving = dict(channels)
+    driving |= {n: pressure_without_noise(channels[n]) for n in (*PRESSURES, "master_pressure") if n in channels}
+    driving |= {n: torque_without_noise_at_rest(channels[n]) for n in _DRIVE_TORQUES if n in channels}
     inputs = read_inputs(manoeuvre, driving, vehicle, car)
     moving = tuple(name for name in COMPARED if name in channels and manoeuvre.weight(name).any())
     phases = phases_of(manoeuvre, moving)

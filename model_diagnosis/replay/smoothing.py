@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from scipy.stats import chi2
 
+from model_diagnosis.replay.record import COASTING_NM
+
 FloatArray = NDArray[np.float64]
 
 HALF_WIDTHS = (2, 4, 8, 16)
@@ -27,6 +29,12 @@ _LARGEST_MEDIAN = 1.0
 
 _LARGEST_PEAK = 4.5
 """Standard deviations that white noise stays below in a drive."""
+
+_TORQUE_SAMPLES = 11
+_TORQUE_STDS = 2.0
+"""Of a torque's noise, five standard deviations of the median over 0.11 s."""
+_LARGEST_RESTING_NM = 20.0
+"""More drives the car, whatever the noise: a rolling resistance of 1 % takes 44 N m of 1.5 t on wheels of 0.3 m."""
 
 _QUIET_SAMPLES = 15
 _QUIET_SHARE = 0.1
@@ -82,6 +90,15 @@ def pressure_without_noise(values: FloatArray) -> FloatArray:
     resting = median_filter(values, 2 * HALF_WIDTHS[-1] + 1, mode="reflect") < _LARGEST_MEDIAN * noise
     quiet[(quiet < _LEAST_PRESSURE * noise) | (resting & (values < _LARGEST_PEAK * noise))] = 0.0
     return quiet
+
+
+def torque_without_noise_at_rest(values: FloatArray) -> FloatArray:
+    """Drive torque (n,) that is exactly 0 where only its sensor's noise is left, and as measured elsewhere.
+
+    What acts while no torque drives, the engine's drag, would be switched on and off by that noise.
+    """
+    resting = min(max(COASTING_NM, _TORQUE_STDS * noise_of(values)), _LARGEST_RESTING_NM)
+    return np.where(np.abs(median_filter(values, _TORQUE_SAMPLES, mode="reflect")) <= resting, 0.0, values)
 
 
 def _local_lines(values: FloatArray, half: int) -> tuple[FloatArray, FloatArray]:
