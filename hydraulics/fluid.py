@@ -55,7 +55,7 @@ def _powers() -> NDArray[np.float64]:
 _POWERS = _powers()
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def compliance_share(ratio: float) -> float:
     """Compliance of a bubble over that at the atmosphere, (p_0/p)^(1 + 1/n), by cubic pieces.
 
@@ -71,7 +71,7 @@ def compliance_share(ratio: float) -> float:
     return float(value + t * (slope + t * (difference - slope - third + t * third)))
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def stiffness_share(parameters: Any, wheel: int, pressure: float) -> float:
     """Stiffness of a wheel brake with air in it over that without, 1 without.
 

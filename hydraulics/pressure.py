@@ -22,7 +22,7 @@ from hydraulics.valves import (
 )
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def select(parameters: Any, inlet: int, outlet: int, pump: int) -> tuple[int, int]:
     """State and kind of target that the selection logic gives."""
     active = 1 if parameters.active_build_up > 0.5 else 0
@@ -30,20 +30,20 @@ def select(parameters: Any, inlet: int, outlet: int, pump: int) -> tuple[int, in
     return int(parameters.logic[entry]), int(parameters.logic[entry + 1])
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def supply_pressure(parameters: Any, pump: int, master_pressure: float) -> float:
     """Pressure that both circuits get: the driver's, or the pump's during active build-up if that is higher."""
     _, target = select(parameters, 0, 0, pump)
     return max(master_pressure, float(parameters.pump_pressure)) if target == TARGET_PUMP else master_pressure
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def line_pressure(parameters: Any, wheel: int, supply: float) -> float:
     """Pressure in front of a wheel's inlet valve: the supply, less what a failed circuit loses."""
     return float(supply * (1.0 - parameters.circuit_failure[circuit_of(parameters, wheel)]))
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def low_pressure(parameters: Any, state: Any, wheel: int, pump: int) -> float:
     """Pressure behind the wheel's outlet valve: a running pump leaves a share of the accumulator's, as a rule none."""
     if pump and parameters.pump_back_pressure == 0.0:
@@ -52,7 +52,7 @@ def low_pressure(parameters: Any, state: Any, wheel: int, pump: int) -> float:
     return share * accumulator_pressure(parameters, state, circuit_of(parameters, wheel))
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def _supply_changed(parameters: Any, state: Any, wheel: int, mode: int, supply: float) -> bool:
     """Step 1 (eqs 107-108): has the supply moved since the last time it was noted?"""
     if mode != INCREASE or abs(supply - state.supply_start[wheel]) < parameters.threshold:
@@ -61,7 +61,7 @@ def _supply_changed(parameters: Any, state: Any, wheel: int, mode: int, supply: 
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def _events(parameters: Any, state: Any, wheel: int, mode: int, goal: float, changed: bool) -> tuple[bool, bool]:
     """Whether the segment's time restarts, and whether target and difference are set anew."""
     differs = mode != state.previous_state[wheel]
@@ -77,7 +77,7 @@ def _events(parameters: Any, state: Any, wheel: int, mode: int, goal: float, cha
     return event, event
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def _follow_segment(parameters: Any, state: Any, wheel: int, mode: int, goal: float) -> float:
     """Steps 1 to 5: pressure of one wheel after this step, before the limits of valves and accumulator."""
     changed = _supply_changed(parameters, state, wheel, mode, goal)
@@ -100,7 +100,7 @@ def _follow_segment(parameters: Any, state: Any, wheel: int, mode: int, goal: fl
     return float(state.target[wheel] - state.difference[wheel] * np.exp(-elapsed / time_constant))
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def _continue_from(state: Any, wheel: int, mode: int, pressure: float) -> None:
     """Let the running segment go on from a pressure that a limit has set."""
     if mode == HOLD:
@@ -109,7 +109,7 @@ def _continue_from(state: Any, wheel: int, mode: int, pressure: float) -> None:
     state.segment_time[wheel] = 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def softened(parameters: Any, state: Any, wheel: int, wanted: float) -> float:
     """Pressure after a step in which the flow would reach ``wanted`` without air in the wheel brake."""
     before = state.pressure[wheel]
@@ -120,7 +120,7 @@ def softened(parameters: Any, state: Any, wheel: int, wanted: float) -> float:
     return float(before + stiffness_share(parameters, wheel, middle) * (wanted - before))
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def _wheel_step(parameters: Any, state: Any, wheel: int, mode: int, line: float, low: float) -> None:
     goal = low if mode == DECREASE else line
     wanted = _follow_segment(parameters, state, wheel, mode, goal)
@@ -137,7 +137,7 @@ def _wheel_step(parameters: Any, state: Any, wheel: int, mode: int, line: float,
     state.previous_state[wheel] = mode
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def write_outputs(parameters: Any, state: Any, master_pressure: float, wheel_speed: Any, out: Any) -> None:
     """Brake torques; fill the block "hydraulics" of the catalogue, the states of the selection logic excepted."""
     out[0] = master_pressure
@@ -149,7 +149,7 @@ def write_outputs(parameters: Any, state: Any, master_pressure: float, wheel_spe
     out[9] = parameters.accumulator_pressure * worst / parameters.accumulator_volume
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def wheel_mode(parameters: Any, state: Any, wheel: int, pump: int, out: Any) -> int:
     """What the selection logic makes of a wheel's valves; an invalid combination is reported and held."""
     mode, _ = select(parameters, inlet_closed(parameters, state, wheel), outlet_open(parameters, state, wheel), pump)
@@ -160,7 +160,7 @@ def wheel_mode(parameters: Any, state: Any, wheel: int, pump: int, out: Any) -> 
     return int(mode)
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def run_pump(parameters: Any, state: Any, pump_on: float) -> int:
     """1 if the return pump runs in this step; it then empties the accumulators."""
     if pump_on <= 0.5 or parameters.pump_failure > 0.5 or parameters.pump_rate == 0.0:
@@ -169,7 +169,7 @@ def run_pump(parameters: Any, state: Any, pump_on: float) -> int:
     return 1
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def pressure_step(
     parameters: Any, state: Any, inlet: Any, outlet: Any, out: Any, master_pressure: float, pump_on: float
 ) -> None:
@@ -187,7 +187,7 @@ def pressure_step(
     state.rearm = 0
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def hcu_step(
     parameters: Any,
     state: Any,

@@ -10,7 +10,7 @@ from hydraulics.record import DECREASE, INCREASE, LONGEST_DELAY_STEPS, STEP_S
 STUCK_OPEN = 1.0
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def circuit_of(parameters: Any, wheel: int) -> int:
     """Brake circuit of a wheel: diagonal, front left with rear right, or front and rear."""
     if parameters.front_rear_split != 0:
@@ -18,7 +18,7 @@ def circuit_of(parameters: Any, wheel: int) -> int:
     return 0 if wheel in (0, 3) else 1
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def flow_factor(parameters: Any, wheel: int, mode: int) -> float:
     """Factor on a time constant: cold fluid flows slowly, and so does fluid through a valve of small conductance."""
     if mode == INCREASE:
@@ -28,13 +28,13 @@ def flow_factor(parameters: Any, wheel: int, mode: int) -> float:
     return 1.0
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def stiffness(parameters: Any, wheel: int, pressure: float) -> float:
     """Pressure per volume [Pa/m^3] of a wheel brake, air included."""
     return float(parameters.caliper_stiffness[wheel] * stiffness_share(parameters, wheel, pressure))
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def remember_inputs(state: Any, inlet: Any, outlet: Any, master_pressure: float) -> None:
     """Store the commands and the master pressure of this step in the delay lines."""
     position = (state.position + 1) % LONGEST_DELAY_STEPS
@@ -45,7 +45,7 @@ def remember_inputs(state: Any, inlet: Any, outlet: Any, master_pressure: float)
         state.outlet_history[position, wheel] = outlet[wheel]
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def inlet_closed(parameters: Any, state: Any, wheel: int) -> int:
     """1 if the inlet valve is closed, after its dead time and its fault."""
     stuck = parameters.inlet_stuck[wheel]
@@ -55,7 +55,7 @@ def inlet_closed(parameters: Any, state: Any, wheel: int) -> int:
     return 1 if state.inlet_history[position, wheel] > 0.5 else 0
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def outlet_open(parameters: Any, state: Any, wheel: int) -> int:
     """1 if the outlet valve is open, after its dead time and its fault."""
     stuck = parameters.outlet_stuck[wheel]
@@ -65,7 +65,7 @@ def outlet_open(parameters: Any, state: Any, wheel: int) -> int:
     return 1 if state.outlet_history[position, wheel] > 0.5 else 0
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def pump_back(parameters: Any, state: Any) -> None:
     """Return pump: empties both accumulators for one step."""
     for circuit in range(2):
@@ -74,13 +74,13 @@ def pump_back(parameters: Any, state: Any) -> None:
         state.pumped[circuit] += volume
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def accumulator_pressure(parameters: Any, state: Any, circuit: int) -> float:
     """Pressure of a circuit's accumulator: a spring, 0 when empty."""
     return float(parameters.accumulator_pressure * state.accumulator[circuit] / parameters.accumulator_volume)
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def take_up(parameters: Any, state: Any, wheel: int, wanted: float) -> float:
     """Move the fluid of a pressure drop into the accumulator.
 
@@ -100,14 +100,14 @@ def take_up(parameters: Any, state: Any, wheel: int, wanted: float) -> float:
     return wanted if volume < room else max(wanted, float(pressure - volume * per_volume))
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def _room(parameters: Any, state: Any, circuit: int) -> float:
     """Volume that a circuit's accumulator can still take."""
     capacity = parameters.accumulator_volume * (1.0 - parameters.accumulator_blocked[circuit])
     return max(capacity - state.accumulator[circuit], 0.0)
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def leak(parameters: Any, state: Any, wheel: int, pressure: float, line: float, low: float) -> float:
     """Pressure after the leaks of a step: past the inlet valve, past the outlet valve, out of the wheel brake."""
     inlet, outlet, out = parameters.inlet_leak[wheel], parameters.outlet_leak[wheel], parameters.brake_leak[wheel]

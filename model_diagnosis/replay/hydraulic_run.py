@@ -24,7 +24,7 @@ _NOTHING_PA = 0.01
 """What is left of a returning pressure when it counts as back, a millionth of a sensor's noise: it would never be."""
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _set_pressure(s: Record, wheel: int, pressure: float) -> None:
     """Let the running segment of a wheel go on from another pressure."""
     s.pressure[wheel] = pressure
@@ -34,7 +34,7 @@ def _set_pressure(s: Record, wheel: int, pressure: float) -> None:
     s.segment_time[wheel] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _move_target(p: Record, s: Record, wheel: int, drawn: float, master: float) -> None:
     """Correct where a building-up segment ends, too, as far as the unit's threshold leaves that open.
 
@@ -46,7 +46,7 @@ def _move_target(p: Record, s: Record, wheel: int, drawn: float, master: float) 
         s.target[wheel] = min(max(s.target[wheel] + drawn, line - p.threshold), line + p.threshold)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _fill_gap(p: Record, s: Record, wheel: int, before: float, gap: float) -> float:
     """Fluid that only moves the pads up to the disc makes no pressure; returns what is left of the gap [m^3]."""
     gained = s.pressure[wheel] - before
@@ -58,7 +58,7 @@ def _fill_gap(p: Record, s: Record, wheel: int, before: float, gap: float) -> fl
     return gap - used
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _throttle_return(p: Record, s: Record, wheel: int, before: float, supply: float, kept: float) -> None:
     """Keep the share ``kept`` of what a wheel's pressure has beyond the line that it returns to."""
     line = line_pressure(p, wheel, supply)
@@ -67,7 +67,7 @@ def _throttle_return(p: Record, s: Record, wheel: int, before: float, supply: fl
         _set_pressure(s, wheel, slowest)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _leave_line(between: NDArray[np.float64], begin: NDArray[np.float64], s: Record) -> None:
     """Take the straight line from ``begin`` to where the pressures are now off those between (SUBSTEPS, 4)."""
     for j in range(SUBSTEPS):
@@ -76,7 +76,7 @@ def _leave_line(between: NDArray[np.float64], begin: NDArray[np.float64], s: Rec
             between[j, i] -= begin[i] + share * (s.pressure[i] - begin[i])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _on_line(values: NDArray[np.float64], place: float) -> float:
     """Value on the straight line between samples, at a place counted in samples; the ends go on level."""
     inside = min(max(place, 0.0), values.shape[0] - 1.0)
@@ -84,13 +84,13 @@ def _on_line(values: NDArray[np.float64], place: float) -> float:
     return float(values[row] + (inside - row) * (values[row + 1] - values[row]))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _row(place: float, rows: int) -> int:
     """Sample at a place counted in samples; the first and the last one go on."""
     return min(max(int(np.floor(place)), 0), rows - 1)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _is_commanded(inlet: NDArray[np.float64], outlet: NDArray[np.float64], pump: NDArray[np.float64], row: int) -> bool:
     """True where a valve or the pump is switched on in a sample."""
     for i in range(4):
@@ -99,7 +99,7 @@ def _is_commanded(inlet: NDArray[np.float64], outlet: NDArray[np.float64], pump:
     return bool(pump[row] != 0.0)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _rests(p: Record, s: Record, master: NDArray[np.float64], first: int, last: int) -> bool:
     """True where a step would leave all as it is: brakes released, and no master pressure in these samples."""
     if p.literal_event > 0.5 or p.rearm_near_target > 0.5:
@@ -116,7 +116,7 @@ def _rests(p: Record, s: Record, master: NDArray[np.float64], first: int, last: 
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def hydraulic_run(
     parameters: NDArray[np.void],
     memory: NDArray[np.void],
