@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.evidence.side_by_side import side_by_side
+
 FloatArray = NDArray[np.float64]
 
 FORESEEN = 0.1
@@ -76,8 +78,9 @@ class Chords:
     def slope(self, weighted: Sequence[FloatArray]) -> FloatArray:
         """J'r / temperature (p,) of weighted residuals (N_m,) per manoeuvre."""
         total = np.zeros(len(self.curvature))
-        for matrix, row in zip(self._matrices, weighted, strict=True):
-            total[matrix.columns] += matrix.slope(row)
+        slopes = side_by_side(lambda m: self._matrices[m].slope(weighted[m]), len(weighted))
+        for matrix, slope in zip(self._matrices, slopes, strict=True):
+            total[matrix.columns] += slope
         for missed, along in zip(self._missed, self._along, strict=True):
             total = total + along * sum(float(u @ row) for u, row in zip(missed, weighted, strict=True))
         return total / self._temperature
@@ -103,7 +106,7 @@ class Chords:
 
     def _change(self, step: FloatArray) -> list[FloatArray]:
         """J s (N_m,) per manoeuvre."""
-        change = [matrix.change(step) for matrix in self._matrices]
+        change = side_by_side(lambda m: self._matrices[m].change(step), len(self._matrices))
         for missed, along in zip(self._missed, self._along, strict=True):
             share = float(along @ step)
             change = [one + share * u for one, u in zip(change, missed, strict=True)]

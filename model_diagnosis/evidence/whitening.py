@@ -162,7 +162,7 @@ class Whitener:
 
     def residuals(self, residuals: Sequence[FloatArray]) -> list[FloatArray]:
         """Whitened residual (N_m,) of each manoeuvre, its signals one after the other."""
-        return [self.whitened(m, values) for m, values in enumerate(residuals)]
+        return side_by_side(lambda m: self.whitened(m, residuals[m]), len(residuals))
 
     def sensitivities(self, sensitivities: Sequence[FloatArray]) -> list[FloatArray]:
         """Whitened sensitivities (N_m, p) of each manoeuvre."""
