@@ -36,12 +36,12 @@ def measured_signals(
     ----------
     deviations : column -> deviation
     signals : names of the c columns of ``true``
-    true : (n, c) in the catalogue's units
+    true : (n, c), or (n, c, k) of k cars, in the catalogue's units
     ring_carriers : (n, 4) of ``ring_carriers``; needed only for tone_ring_error
 
     Returns
     -------
-    (n, c) array; ``true`` itself where every deviation is neutral
+    array as ``true``; ``true`` itself where every deviation is neutral
     """
     active = {column: value for column, value in deviations.items() if value != 0.0}
     if not active:
@@ -58,7 +58,7 @@ def measured_signals(
         amplitude = active.get(f"tone_ring_error.{wheel}", 0.0)
         column = place.get(f"wheel_speed_{wheel}")
         if amplitude != 0.0 and column is not None and ring_carriers is not None:
-            reported[:, column] *= 1.0 + amplitude * ring_carriers[:, k]
+            reported[:, column] *= (1.0 + amplitude * ring_carriers[:, k]).reshape(-1, *[1] * (true.ndim - 2))
     return reported
 
 

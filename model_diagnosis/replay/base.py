@@ -181,10 +181,11 @@ class ReplayBase(ABC):
         return self._columns.deviations(theta, m)
 
     def tables_at(self, deviations: Mapping[str, float]) -> FloatArray:
-        """Tables of the tyres, reshaped where a deviation asks for it."""
+        """Tables (4 (CELLS + 1), 2) of the tyres by axle, direction, cell; of another form where a deviation asks."""
         loss = deviations.get("tyre_peak_shape.sliding_loss", 0.0)
         shift = deviations.get("tyre_peak_shape.peak_slip", 0.0)
-        return self.car.tables if loss == 0.0 and shift == 0.0 else self._tables(loss, shift)
+        tables = self.car.tables if loss == 0.0 and shift == 0.0 else self._tables(loss, shift)
+        return tables.reshape(-1, tables.shape[-1])
 
     def _make_tables(self, loss: float, shift: float) -> FloatArray:
         return shaped_tables(self.car.tables, self.car.record[0]["peak_slip_x"][::2], loss, shift)

@@ -11,6 +11,7 @@ import math
 from numba import njit
 
 from model_diagnosis.replay.derived import GRAVITY
+from model_diagnosis.replay.lanes import some, where
 from model_diagnosis.replay.record import Record
 
 _LARGEST_ANGLE = 0.4
@@ -19,7 +20,7 @@ _LARGEST_ANGLE = 0.4
 _SHORTEST_LAG_S = 1e-6
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def look_ahead(s: Record, step: float) -> None:
     """Motion in the middle of the step, by what the step before has left: forces that act over it follow from there.
 
@@ -34,7 +35,7 @@ def look_ahead(s: Record, step: float) -> None:
     s.mid_pitch, s.mid_roll = s.pitch + half * s.pitch_rate, s.roll + half * s.roll_rate
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def load_wheels(p: Record, s: Record, step: float) -> None:
     """Loads of the four wheels in the middle of the step, and what springs, dampers and links do to the body."""
     speed, roll, pitch = s.mid_speed, s.mid_roll, s.mid_pitch
@@ -55,13 +56,14 @@ def load_wheels(p: Record, s: Record, step: float) -> None:
         rate = mean_rate + half_rate
         # rated by what its force goes with: where that is 0, nothing jumps
         damped = mean_share * mean_rate + half_share * half_rate
-        damping = p.compression_damping[i] if damped > 0.0 else p.rebound_damping[i]
+        damping = where(damped > 0.0, p.compression_damping[i], p.rebound_damping[i])
         change = p.mean_rate[i] * mean + p.half_rate[i] * half + damping * damped
         deep = travel - p.bump_clearance[i]
-        if deep > 0.0:
+        if some(deep > 0.0):
+            deep = max(deep, 0.0)
             change += (p.bump_rate[i] + p.bump_progression[i] * deep) * deep
         force_x = s.tyre_x[i]
-        change += (p.guide_brake[i] if force_x < 0.0 else p.guide_drive[i]) * force_x
+        change += where(force_x < 0.0, p.guide_brake[i], p.guide_drive[i]) * force_x
         # the wheel travels along the body's z axis, which leans with the body
         change += (p.guide_side[i] + p.guide_lean * roll) * s.tyre_y[i] - p.guide_lean * pitch * force_x
         change = max(change, -p.static_load[i])
@@ -72,7 +74,7 @@ def load_wheels(p: Record, s: Record, step: float) -> None:
     s.spring_up, s.spring_nose_down, s.spring_left_up = up, nose_down, left_up
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def move_body(p: Record, s: Record, step: float) -> None:
     """One step of heave, pitch and roll under the forces of this step."""
     s.spin_momentum = 0.0
@@ -99,7 +101,7 @@ def move_body(p: Record, s: Record, step: float) -> None:
     s.roll_rate += step * s.roll_acceleration
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def _air(p: Record, s: Record) -> tuple[float, float, float]:
     """Air forces along and across, and their yaw moment."""
     along, across = s.mid_speed + p.wind_along, s.mid_lateral_speed + p.wind_across
@@ -108,26 +110,25 @@ def _air(p: Record, s: Record) -> tuple[float, float, float]:
     return -p.drag * speed * along, side - p.drag * speed * across, side * p.side_force_position
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def prepare_accelerometer(p: Record, s: Record, step: float) -> None:
     """What a step leaves of the accelerometer's second-order low-pass, exact for an acceleration that rests over it.
 
     x'' = w^2 (a - x) - 2 z w x' with the lag 2 z/w at low frequencies; damping from 1 on acts like 0.999.
     """
     damping = min(p.accelerometer_damping, 0.999)
-    if p.accelerometer_lag < _SHORTEST_LAG_S or damping <= 0.0:
-        s.felt_kept = s.felt_of_rate = s.felt_rate_of = s.felt_rate_kept = 0.0
-        return
-    frequency = 2.0 * damping / p.accelerometer_lag
+    lags = (p.accelerometer_lag >= _SHORTEST_LAG_S) & (damping > 0.0)
+    frequency = 2.0 * damping / max(p.accelerometer_lag, _SHORTEST_LAG_S)
     swing = frequency * math.sqrt(1.0 - damping * damping)
     falls = damping * frequency
     left = math.exp(-falls * step)
     cosine, sine = left * math.cos(swing * step), left * math.sin(swing * step) / swing
-    s.felt_kept, s.felt_of_rate = cosine + falls * sine, sine
-    s.felt_rate_of, s.felt_rate_kept = -frequency * frequency * sine, cosine - falls * sine
+    s.felt_kept, s.felt_of_rate = where(lags, cosine + falls * sine, 0.0), where(lags, sine, 0.0)
+    s.felt_rate_of = where(lags, -frequency * frequency * sine, 0.0)
+    s.felt_rate_kept = where(lags, cosine - falls * sine, 0.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def feel(s: Record, felt_x: float, felt_y: float) -> None:
     """One step of the accelerometer under specific forces that rest over it."""
     off_x, off_y = s.acceleration_x - felt_x, s.acceleration_y - felt_y
@@ -137,7 +138,7 @@ def feel(s: Record, felt_x: float, felt_y: float) -> None:
     s.felt_rate_y = s.felt_rate_of * off_y + s.felt_rate_kept * s.felt_rate_y
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def move_in_plane(p: Record, s: Record, step: float) -> None:
     """One step of speed, lateral speed and yaw rate under tyre forces, air and slope."""
     s.air_x, s.air_y, moment = _air(p, s)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S
+from model_diagnosis.replay.compiled_replay import replay_car
 from model_diagnosis.replay.derived import derive
 from model_diagnosis.replay.deviations import change_record
 from model_diagnosis.replay.disturb_step import (
@@ -28,8 +29,6 @@ from model_diagnosis.replay.hydraulic import GAIN as PRESSURE_GAIN
 from model_diagnosis.replay.prepared import PRESSURES, Prepared
 from model_diagnosis.replay.record import CORRECTED
 from model_diagnosis.replay.replay import Replay
-from model_diagnosis.replay.run import replay_run
-from model_diagnosis.replay.state import STATE_RECORD
 from signals.wheels import WHEELS
 
 FloatArray = NDArray[np.float64]
@@ -119,10 +118,10 @@ def _moved(replay: Replay, theta: FloatArray, m: int) -> dict[str, FloatArray]:
     fixed = (
         replay.tables_at(deviations),
         inputs,
-        prepared.between,
+        prepared.between.reshape(-1, len(WHEELS)),
         corrected,
         prepared.valid,
-        prepared.start,
+        prepared.start[None],
         replay.gains,
         prepared.least,
         0,
@@ -133,7 +132,7 @@ def _moved(replay: Replay, theta: FloatArray, m: int) -> dict[str, FloatArray]:
 
     def run(place: int, disturbance: FloatArray) -> FloatArray:
         out = np.empty((prepared.manoeuvre.samples, len(prepared.chosen)))
-        replay_run(cars, 0, np.zeros(1, STATE_RECORD), *fixed, prepared.chosen, *phases, place, disturbance, out)
+        replay_car(cars, *fixed, prepared.chosen, *phases, place, disturbance, out)
         return out
 
     usual = run(NOWHERE, np.zeros(0))

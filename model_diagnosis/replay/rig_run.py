@@ -81,7 +81,7 @@ def rig_run(
     ----------
     cars : (1,) of ``REPLAY_RECORD``
     memory : shape (1,), zeros of ``STATE_RECORD``
-    tables : (2, 2, CELLS + 1, 2) of the tyres: axle, direction
+    tables : (4 (CELLS + 1), 2) of the tyres: axle, direction, cell
     driving : (n, DRIVING) as measured, a straight line between samples
     sensing : (SENSING,) deviations of the rig's sensors, 0 neutral
     sample_time : s

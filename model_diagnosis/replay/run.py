@@ -1,5 +1,8 @@
 """The replay of one manoeuvre, compiled: pre-roll, steps of the car, samples, corrections of the observer."""
 
+import math
+from typing import Any
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -13,6 +16,8 @@ from model_diagnosis.replay.chassis_step import (
     prepare_accelerometer,
 )
 from model_diagnosis.replay.disturb_step import NOWHERE, disturb
+from model_diagnosis.replay.lane_memory import at, put
+from model_diagnosis.replay.lanes import cell_of, some, where
 from model_diagnosis.replay.record import (
     CELLS,
     INPUT_BANK,
@@ -53,7 +58,7 @@ def move_car(p: Record, s: Record, step: float) -> None:
     steer_wheels(p, s, step)
     for i in range(4):
         move_wheel(p, s, i, step)
-    if p.in_stop_rise != 0.0:
+    if some(p.in_stop_rise != 0.0):
         count_stop_energy(s, step)
     move_in_plane(p, s, step)
     move_body(p, s, step)
@@ -64,34 +69,41 @@ def take_tables(s: Record, tables: NDArray[np.float64]) -> None:
     for axle in range(2):
         for direction in range(2):
             for k in range(CELLS + 1):
-                s.table[axle, direction, k, 0] = tables[axle, direction, k, 0]
-                s.table[axle, direction, k, 1] = tables[axle, direction, k, 1]
+                row = (axle * 2 + direction) * (CELLS + 1) + k
+                s.table[axle, direction, k, 0] = at(tables, row, 0)
+                s.table[axle, direction, k, 1] = at(tables, row, 1)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _on_line(values: NDArray[np.float64], column: int, row: int, share: float) -> float:
+    """Value of a column on the straight line from the row before to ``row``."""
+    before = at(values, row - 1, column)
+    return before + share * (at(values, row, column) - before)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def take_inputs(
-    s: Record, before: NDArray[np.float64], after: NDArray[np.float64], share: float, beside: NDArray[np.float64]
+    s: Record, inputs: NDArray[np.float64], row: int, share: float, between: NDArray[np.float64], place: int
 ) -> None:
-    """Inputs of a step between two samples; pressures are ``beside`` (4,) the straight line."""
+    """Inputs of a step between two samples; pressures are ``between``[place] beside the straight line."""
     for i in range(4):
-        s.pressure[i] = max(before[i] + share * (after[i] - before[i]) + beside[i], 0.0)
-    s.drive_front = before[INPUT_DRIVE_FRONT] + share * (after[INPUT_DRIVE_FRONT] - before[INPUT_DRIVE_FRONT])
-    s.drive_rear = before[INPUT_DRIVE_REAR] + share * (after[INPUT_DRIVE_REAR] - before[INPUT_DRIVE_REAR])
-    s.steer = before[INPUT_STEER] + share * (after[INPUT_STEER] - before[INPUT_STEER])
-    s.grade = before[INPUT_GRADE] + share * (after[INPUT_GRADE] - before[INPUT_GRADE])
-    s.bank = before[INPUT_BANK] + share * (after[INPUT_BANK] - before[INPUT_BANK])
+        s.pressure[i] = max(_on_line(inputs, i, row, share) + at(between, place, i), 0.0)
+    s.drive_front = _on_line(inputs, INPUT_DRIVE_FRONT, row, share)
+    s.drive_rear = _on_line(inputs, INPUT_DRIVE_REAR, row, share)
+    s.steer = _on_line(inputs, INPUT_STEER, row, share)
+    s.grade = _on_line(inputs, INPUT_GRADE, row, share)
+    s.bank = _on_line(inputs, INPUT_BANK, row, share)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def take_terms(s: Record, before: NDArray[np.float64], after: NDArray[np.float64], share: float) -> None:
+def take_terms(s: Record, inputs: NDArray[np.float64], row: int, share: float) -> None:
     """Terms of a step between two samples, where the inputs have any."""
     for i in range(4):
-        b, g = INPUT_BRAKE_SHARE + i, INPUT_GRIP_SHARE + i
-        s.brake_share[i] = max(before[b] + share * (after[b] - before[b]), 0.0)
-        s.grip_share[i] = max(before[g] + share * (after[g] - before[g]), _LEAST_GRIP)
-    s.term_force_x = before[INPUT_FORCE_X] + share * (after[INPUT_FORCE_X] - before[INPUT_FORCE_X])
-    s.term_force_y = before[INPUT_FORCE_Y] + share * (after[INPUT_FORCE_Y] - before[INPUT_FORCE_Y])
-    s.term_yaw_moment = before[INPUT_YAW_MOMENT] + share * (after[INPUT_YAW_MOMENT] - before[INPUT_YAW_MOMENT])
+        s.brake_share[i] = max(_on_line(inputs, INPUT_BRAKE_SHARE + i, row, share), 0.0)
+        s.grip_share[i] = max(_on_line(inputs, INPUT_GRIP_SHARE + i, row, share), _LEAST_GRIP)
+    s.term_force_x = _on_line(inputs, INPUT_FORCE_X, row, share)
+    s.term_force_y = _on_line(inputs, INPUT_FORCE_Y, row, share)
+    s.term_yaw_moment = _on_line(inputs, INPUT_YAW_MOMENT, row, share)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -99,7 +111,7 @@ def _between_rows(values: NDArray[np.float64], column: int, place: float) -> flo
     """Value of a column on the straight line between rows, at a place counted in rows; the ends go on level."""
     place = min(max(place, 0.0), values.shape[0] - 1.0)
     row = min(int(place), values.shape[0] - 2)
-    return values[row, column] + (place - row) * (values[row + 1, column] - values[row, column])
+    return _on_line(values, column, row + 1, place - row)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -135,7 +147,7 @@ def keep_spins(s: Record) -> None:
 @njit(cache=True, nogil=True, error_model="numpy")
 def lagging_spin(s: Record, i: int, steps: float) -> float:
     """Speed of a wheel so many steps ago; ahead of the last step and behind the first along their slopes."""
-    place = min(max(int(steps), 0), PAST_STEPS - 2)
+    place = cell_of(steps, PAST_STEPS - 2)
     after, before = s.past_spin[place, i], s.past_spin[place + 1, i]
     return after + (steps - place) * (before - after)
 
@@ -163,8 +175,8 @@ def write_outputs(p: Record, s: Record, step: float, with_angles: bool, out: NDA
     out[_ROLL_RATE + 5], out[_ROLL_RATE + 6] = s.distance, s.yaw_acceleration
     if with_angles:
         for i in range(4):
-            out[_SLIP_ANGLE + i] = -np.arctan(s.slip_y[i])
-        out[_BODY_SLIP_ANGLE] = np.arctan2(s.lateral_speed, max(s.speed, 0.1))
+            out[_SLIP_ANGLE + i] = -math.atan(s.slip_y[i])
+        out[_BODY_SLIP_ANGLE] = math.atan2(s.lateral_speed, max(s.speed, 0.1))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -184,7 +196,7 @@ def correct_states(
     along = count = anew = 0.0
     for i in range(4):
         error = valid[i] * (measured[i] - seen[i])
-        band = gains[DEAD_BAND_WHEEL] if least[i] <= gains[GAIN_WHEEL] else 0.0
+        band = where(least[i] <= gains[GAIN_WHEEL], gains[DEAD_BAND_WHEEL], 0.0)
         beyond = error - min(max(error, -band), band)
         moved = max(max(gains[GAIN_WHEEL], least[i]) * beyond, -s.spin[i])
         s.spin[i] += moved
@@ -193,10 +205,8 @@ def correct_states(
         along += p.radius[i] * error
         count += valid[i]
         anew = max(anew, least[i])
-    if valid[4] > 0.0:
-        s.speed += max(gains[GAIN_SPEED], least[4]) * (measured[4] - seen[4])
-    elif count > 0.0:
-        s.speed += max(gains[GAIN_SPEED_BY_WHEELS], anew) * along / count
+    by_wheels = where(count > 0.0, max(gains[GAIN_SPEED_BY_WHEELS], anew) * along / count, 0.0)
+    s.speed += where(valid[4] > 0.0, max(gains[GAIN_SPEED], least[4]) * (measured[4] - seen[4]), by_wheels)
     s.yaw_rate += valid[5] * max(gains[GAIN_YAW], least[5]) * (measured[5] - seen[5])
 
 
@@ -205,13 +215,13 @@ def settle(p: Record, s: Record, start: NDArray[np.float64], step: float) -> Non
     """Settle at the first sample's inputs, speed and yaw rate."""
     prepare_accelerometer(p, s, step)
     for i in range(4):
-        s.spin[i] = start[0] / p.radius[i]
+        s.spin[i] = at(start, 0, 0) / p.radius[i]
         s.disc_temperature[i], s.disc_cosine[i] = p.start_temperature[i], 1.0
-        s.angle[i], s.sine[i], s.cosine[i] = p.toe[i], np.sin(p.toe[i]), np.cos(p.toe[i])
+        s.angle[i], s.sine[i], s.cosine[i] = p.toe[i], math.sin(p.toe[i]), math.cos(p.toe[i])
     for _ in range(PRE_ROLL_SAMPLES * SUBSTEPS):
-        s.speed, s.yaw_rate = start[0], start[1]
+        s.speed, s.yaw_rate = at(start, 0, 0), at(start, 0, 1)
         move_car(p, s, step)
-    s.speed, s.yaw_rate = start[0], start[1]
+    s.speed, s.yaw_rate = at(start, 0, 0), at(start, 0, 1)
     s.distance = s.stop_energy = 0.0
     for _ in range(PAST_STEPS):
         keep_spins(s)
@@ -223,10 +233,9 @@ def settle(p: Record, s: Record, start: NDArray[np.float64], step: float) -> Non
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def replay_run(
-    cars: NDArray[np.void],
-    car: int,
-    memory: NDArray[np.void],
+def run_through(
+    p: Record,
+    s: Record,
     tables: NDArray[np.float64],
     inputs: NDArray[np.float64],
     between: NDArray[np.float64],
@@ -243,19 +252,19 @@ def replay_run(
     output_phases: NDArray[np.float64],
     place: int,
     disturbance: NDArray[np.float64],
+    work: Any,
     out: NDArray[np.float64],
 ) -> None:
-    """Replay one manoeuvre with one car.
+    """Replay one manoeuvre with one car, or with eight: arrays of the latter are as below or have an axis more.
 
     Parameters
     ----------
-    cars : (k,) of ``REPLAY_RECORD``, of which ``car`` runs
-    memory : shape (1,), zeros of ``STATE_RECORD``
-    tables : (2, 2, CELLS + 1, 2) of the tyres: axle, direction
+    p, s : the car and its state, zeros
+    tables : (4 (CELLS + 1), 2) of the tyres: axle, direction, cell
     inputs : (n, INPUTS), or (n, INPUTS_WITH_TERMS)
-    between : (n, SUBSTEPS, 4) pressures beside the straight line in the middle of the steps before each sample [Pa]
+    between : (n SUBSTEPS, 4) pressures beside the straight line in the middle of the steps before each sample [Pa]
     measured, valid : (n, 6) signals of ``CORRECTED`` and 1 where they hold
-    start : (2,) speed and yaw rate at the first sample
+    start : (1, 2) speed and yaw rate at the first sample
     gains : (5,) of the observer, the last the dead band of the wheel speeds [rad/s]; zeros for a free run
     least : (n, 6) least gains of the observer: where it begins anew behind a gap of the inputs
     horizon : samples after which a free run restarts at the measured speeds; 0 never
@@ -264,36 +273,34 @@ def replay_run(
     input_phases, corrected_phases, output_phases : (INPUTS,), (6,), (c,) in samples, see ``phases``
     place : where a disturbance acts (``disturb_step``), or ``NOWHERE``
     disturbance : (n,) N or N m, each in the step to its sample
+    work : room for two sets of outputs and for what the observer sees, knows, counts and begins anew with, 6 of each
     out : (n, c) predictions before each sample's correction
     """
-    p, s = cars[car], memory[0]
     take_tables(s, tables)
     step = sample_time / SUBSTEPS
-    full, before, seen = np.zeros(_OUTPUTS), np.zeros(_OUTPUTS), np.zeros(6)
-    restart, nothing = np.ones(5), np.zeros(6)
+    full, before, seen, known, counts, anew = work
+    restart = np.ones(5)
     restart[DEAD_BAND_WHEEL] = 0.0
     is_phased = bool(input_phases.any() or corrected_phases.any() or output_phases.any())
     taken, corrected = when_taken(output_phases), when_taken(corrected_phases)
-    known, counts, anew = np.zeros(6), np.zeros(6), np.zeros(6)  # of the signals taken in a step
     is_angle = (chosen >= _SLIP_ANGLE) & (chosen < _SLIP_ANGLE + 4) | (chosen == _BODY_SLIP_ANGLE)
     with_angles = bool(is_angle.any())
-    courses = np.ascontiguousarray(between).reshape(between.shape[0] * SUBSTEPS, 4)
     for i in range(4):
         s.brake_share[i] = s.grip_share[i] = 1.0
     has_terms = inputs.shape[1] > INPUTS
     if has_terms:
-        take_terms(s, inputs[0], inputs[0], 0.0)
-    take_inputs(s, inputs[0], inputs[0], 0.0, between[0, 0])
+        take_terms(s, inputs, 1, 0.0)
+    take_inputs(s, inputs, 1, 0.0, between, 0)
     settle(p, s, start, step)
     write_outputs(p, s, step, with_angles, full)
     for k in range(inputs.shape[0]):
         for j in range(SUBSTEPS if k > 0 else 0):
             if is_phased:
-                take_inputs_at(s, inputs, input_phases, courses, k - 1.0 + (j + 0.5) / SUBSTEPS)
+                take_inputs_at(s, inputs, input_phases, between, k - 1.0 + (j + 0.5) / SUBSTEPS)
             else:
-                take_inputs(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS, between[k, j])
+                take_inputs(s, inputs, k, (j + 0.5) / SUBSTEPS, between, k * SUBSTEPS + j)
             if has_terms:
-                take_terms(s, inputs[k - 1], inputs[k], (j + 0.5) / SUBSTEPS)
+                take_terms(s, inputs, k, (j + 0.5) / SUBSTEPS)
             move_car(p, s, step)
             if place != NOWHERE:
                 disturb(p, s, place, disturbance[k], step)
@@ -311,20 +318,13 @@ def replay_run(
             write_outputs(p, s, step, with_angles, full)
         if not is_phased or k == 0:
             for c in range(chosen.shape[0]):
-                out[k, c] = full[chosen[c]]
-        if horizon > 0:
-            if k % horizon == 0:
-                _see(full, seen)
-                correct_states(p, s, seen, measured[k], valid[k], restart, nothing)
-        elif not is_phased:
-            _see(full, seen)
-            correct_states(p, s, seen, measured[k], valid[k], gains, least[k])
+                put(out, k, c, full[chosen[c]])
+        if (horizon > 0 and k % horizon == 0) or (horizon == 0 and not is_phased):
+            for q in range(6):
+                seen[q], known[q] = full[CORRECTED_OUTPUTS[q]], at(measured, k, q)
+                counts[q], anew[q] = at(valid, k, q), at(least, k, q)
+                if horizon > 0:
+                    anew[q] = 0.0
+            correct_states(p, s, seen, known, counts, restart if horizon > 0 else gains, anew)
     if is_phased:
         write_last(full, chosen, output_phases, out)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _see(full: NDArray[np.float64], seen: NDArray[np.float64]) -> None:
-    """Predictions of the signals that the observer corrects on."""
-    for q in range(6):
-        seen[q] = full[CORRECTED_OUTPUTS[q]]

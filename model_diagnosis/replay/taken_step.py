@@ -4,6 +4,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from model_diagnosis.replay.lane_memory import at, put
+from model_diagnosis.replay.lanes import some
 from model_diagnosis.replay.record import CORRECTED, OUTPUTS
 from model_diagnosis.replay.state import SUBSTEPS
 
@@ -40,7 +42,8 @@ def write_taken(
     rows, steps, shares = taken
     for c in range(chosen.shape[0]):
         if steps[c] == j:
-            out[k + rows[c], c] = before[chosen[c]] + shares[c] * (full[chosen[c]] - before[chosen[c]])
+            number = before[chosen[c]] + shares[c] * (full[chosen[c]] - before[chosen[c]])
+            put(out, k + rows[c], c, number)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -50,7 +53,7 @@ def write_last(
     """What is taken behind the last sample's instant is not reached; it gets the last outputs, and has no weight."""
     for c in range(chosen.shape[0]):
         if phases[c] > 0.0:
-            out[out.shape[0] - 1, c] = full[chosen[c]]
+            put(out, out.shape[0] - 1, c, full[chosen[c]])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -80,8 +83,8 @@ def take_corrected(
             column = CORRECTED_OUTPUTS[q]
             seen[q] = before[column] + shares[q] * (full[column] - before[column])
             row = k + rows[q]
-            known[q], counts[q], anew[q] = measured[row, q], valid[row, q], least[row, q]
-            found = found or counts[q] != 0.0
+            known[q], counts[q], anew[q] = at(measured, row, q), at(valid, row, q), at(least, row, q)
+            found = found or some(counts[q] != 0.0)
         else:
             known[q] = anew[q] = 0.0
     return found

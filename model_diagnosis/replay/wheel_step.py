@@ -10,6 +10,7 @@ from numba import njit
 
 from model_diagnosis.replay.brake_step import brake_capacity
 from model_diagnosis.replay.lag_step import behind, followed
+from model_diagnosis.replay.lanes import some, where
 from model_diagnosis.replay.record import COASTING_NM, Record
 from model_diagnosis.replay.tyre_step import LIGHTEST_N, warm_tread, wheel_forces
 
@@ -18,14 +19,14 @@ _SLOWEST_M_S = 0.5
 _PRELOAD_SPAN_RAD_S = 0.5
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def steer_wheels(p: Record, s: Record, step: float) -> None:
     """Angles of the road wheels: linkage, compliance under the aligning moment, toe."""
     angle = s.steer * p.steering_scale
     common = 0.5 * (s.aligning[0] + s.aligning[1])
     for i in range(2):
         wanted = angle + p.steering_offset + p.toe[i]
-        if p.ackermann != 0.0:
+        if some(p.ackermann != 0.0):
             side = -1.0 if i == 0 else 1.0
             tangent = math.tan(angle)
             full = math.atan2(tangent, 1.0 + side * tangent * p.track_front / (2.0 * p.wheelbase))
@@ -39,25 +40,26 @@ def steer_wheels(p: Record, s: Record, step: float) -> None:
         s.angle[i], s.sine[i], s.cosine[i] = followed(s.angle[i], wanted, 0.0, share), math.sin(mean), math.cos(mean)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def drive_torque(p: Record, s: Record, i: int) -> float:
     """Drive torque of a wheel: half the axle's, losses of the driveline, and what the differential hands across."""
     axle = s.drive_front if i < 2 else s.drive_rear
-    torque = 0.5 * axle
-    if p.drive_share[i] == 0.0:
+    torque, share = 0.5 * axle, p.drive_share[i]
+    if not some(share != 0.0):
         return torque
     omega = s.spin[i]
     turning = min(max(omega, -1.0), 1.0)
-    torque -= p.drive_share[i] * (p.driveline_drag * turning + p.driveline_viscous * omega)
-    if p.engine_drag != 0.0 and s.drive_front + s.drive_rear <= COASTING_NM:
-        torque -= p.drive_share[i] * p.engine_drag * turning
-    if p.locking_preload != 0.0 or p.locking_viscous != 0.0:
+    torque -= share * (p.driveline_drag * turning + p.driveline_viscous * omega)
+    if some(p.engine_drag != 0.0):
+        torque -= where(s.drive_front + s.drive_rear <= COASTING_NM, share * p.engine_drag * turning, 0.0)
+    if some((p.locking_preload != 0.0) | (p.locking_viscous != 0.0)):
         slower = s.spin[i ^ 1] - omega
-        torque += p.locking_preload * math.tanh(slower / _PRELOAD_SPAN_RAD_S) + p.locking_viscous * slower
+        locked = p.locking_preload * math.tanh(slower / _PRELOAD_SPAN_RAD_S) + p.locking_viscous * slower
+        torque += where(share != 0.0, locked, 0.0)
     return torque
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def move_wheel(
     p: Record,
     s: Record,
@@ -82,7 +84,7 @@ def move_wheel(
     divisor = max(max(abs(v_x), abs(v_y)), max(abs(roll), _SLOWEST_M_S))
     inverse = 1.0 / divisor
     now_x, now_y = slide_x * inverse, -v_y * inverse
-    slip_slope = radius * inverse * (v_x * inverse if roll >= divisor and v_x > 0.0 else 1.0)
+    slip_slope = radius * inverse * where((roll >= divisor) & (v_x > 0.0), v_x * inverse, 1.0)
     way = step * divisor
     # means over the step, which the spin's change goes into by half
     on_slip = 1.0 - p.lag_on_force
@@ -95,7 +97,7 @@ def move_wheel(
     force_x, force_y, slope, relative = wheel_forces(p, s, i, slip_x, slip_y, load, abs(v_x))
     slope = max(slope * slip_slope, 0.0) * share_of_x
     force_share_x = force_share_y = 1.0
-    if p.lag_on_force != 0.0:
+    if some(p.lag_on_force != 0.0):
         force_share_x = way / (2.0 * p.lag_on_force * p.relaxation_x[i] + way)
         force_share_y = way / (2.0 * p.lag_on_force * p.relaxation_y[i] + way)
     mean_x = s.lagged_force_x[i] + force_share_x * (force_x - s.lagged_force_x[i])
@@ -109,12 +111,12 @@ def move_wheel(
     s.tyre_x[i], s.tyre_y[i] = mean_x, mean_y
     relative += p.trail_across * (abs(slip_y) * p.inverse_peak_y[i] - relative)
     s.aligning[i] = -p.trail[i] * max(1.0 - relative, 0.0) * (1.0 + p.trail_bulge * relative) * mean_y
-    if p.heat_fade != 0.0:
+    if some(p.heat_fade != 0.0):
         heat = abs(mean_x * slide_x) + abs(mean_y * v_y)
         warm_tread(s, i, heat, step)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def _spin(
     p: Record,
     s: Record,
@@ -135,13 +137,12 @@ def _spin(
     torque = s.drive_torque[i] - force_x * radius
     # half of the step's change is in the mean; more where half would overshoot
     stiff = step * radius * slope
-    half = slope * max(0.5, 1.0 - inertia / stiff) if stiff > 0.0 else 0.0
+    half = where(stiff > 0.0, slope * max(0.5, 1.0 - inertia / stiff), 0.0)
     momentum = inertia * omega + step * torque + step * radius * half * omega
-    if abs(momentum) <= step * capacity:
-        new, friction = 0.0, abs(momentum) / step
-    else:
-        friction = capacity
-        new = (momentum - math.copysign(step * capacity, momentum)) / (inertia + step * radius * half)
+    stands = abs(momentum) <= step * capacity
+    friction = where(stands, abs(momentum) / step, capacity)
+    slowed = momentum - math.copysign(step * capacity, momentum)
+    new = where(stands, 0.0, slowed / (inertia + step * radius * half))
     s.spin[i], s.spin_rate[i] = new, (new - omega) / step
     s.brake_torque[i] = min(friction, brake)
     s.rolling_torque[i] = friction - s.brake_torque[i]
