@@ -1,19 +1,21 @@
 """Linear algebra of all manoeuvres side by side: it gives Python's lock free, and one thread leaves processors idle."""
 
-import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from typing import TypeVar
+
+from model_diagnosis.processors import threads_here
 
 Result = TypeVar("Result")
 
 
 @cache
 def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(os.cpu_count() or 1)
+    return ThreadPoolExecutor(threads_here())
 
 
 def side_by_side(function: Callable[[int], Result], count: int) -> list[Result]:
     """``function`` of 0 to ``count`` − 1, in order; it must not call this itself."""
-    return [function(number) for number in range(count)] if count < 2 else list(_pool().map(function, range(count)))
+    mapped = map if count < 2 or threads_here() == 1 else _pool().map
+    return list(mapped(function, range(count)))

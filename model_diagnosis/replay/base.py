@@ -1,17 +1,17 @@
 """What the replays of a car and of a wheel on a rig share: columns, numbers of the car by deviation, residuals."""
 
-import os
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.effects.conditions import CONDITIONS
 from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.processors import threads_here
 from model_diagnosis.replay.columns import Columns
 from model_diagnosis.replay.derived import derive
 from model_diagnosis.replay.deviations import RECORD_COLUMNS, change_record
@@ -59,6 +59,7 @@ class ReplayBase(ABC):
     owner : (p,) index into ``effects``
     prepared : what stays the same of each manoeuvre
     car : the vehicle without deviations
+    mapped : ``map``, by threads where there are several; not to be called from within
     """
 
     prepared: Sequence[PreparedData]
@@ -76,8 +77,8 @@ class ReplayBase(ABC):
         self.car = car
         self._values = values_of(vehicle)
         self._set_columns(columns)
-        self._threads = threads or os.cpu_count() or 1
-        self._pool = ThreadPoolExecutor(self._threads)
+        threads = threads or threads_here()
+        self.mapped: Callable[..., Iterable[Any]] = ThreadPoolExecutor(threads).map if threads > 1 else map
         # every manoeuvre of a sweep asks for the same cars
         self._cars = lru_cache(maxsize=_CARS_KEPT)(self._make_car)
         self._tables = lru_cache(maxsize=_CARS_KEPT)(self._make_tables)
@@ -154,9 +155,7 @@ class ReplayBase(ABC):
             prepared = self.prepared[m]
             return np.where(prepared.weights > 0.0, prepared.measured - self.predict(theta, m), 0.0)
 
-        if self._threads == 1 or len(self.prepared) == 1:
-            return [of(m) for m in range(len(self.prepared))]
-        return list(self._pool.map(of, range(len(self.prepared))))
+        return list(self.mapped(of, range(len(self.prepared))))
 
     def sensor_std(self, signal: str) -> float:
         """Own noise of a signal's sensor in the signal's unit."""

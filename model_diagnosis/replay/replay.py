@@ -8,21 +8,19 @@ replay.residuals(theta)[0]        # (n, c) measured minus predicted of the first
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.effects.effect import Application, Effect
 from model_diagnosis.effects.form import REPLAYED
-from model_diagnosis.effects.sensor_chain import measured_signals, sensor_columns, true_inputs
+from model_diagnosis.effects.sensor_chain import measured_signals, true_inputs
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.base import STEP_SHARE, ReplayBase
 from model_diagnosis.replay.columns import Columns
-from model_diagnosis.replay.deviations import RECORD_COLUMNS
 from model_diagnosis.replay.hydraulic import (
     HYDRAULIC_COLUMNS,
-    acts_by_valves,
     acts_on_pressures,
     reported_pressure,
     without_steps,
@@ -34,7 +32,8 @@ from model_diagnosis.replay.parts import Key, Parts, selected, without
 from model_diagnosis.replay.prepared import PRESSURES, Prepared, prepare
 from model_diagnosis.replay.record import OUTPUTS, SHOWN_STATES
 from model_diagnosis.replay.sensors import own_noise
-from model_diagnosis.replay.side_by_side_cars import MANY, CarRun, run_eight, run_four, run_one, together
+from model_diagnosis.replay.side_by_side_cars import CarRun, run_four, run_one, together
+from model_diagnosis.replay.sweep import sweep
 from model_diagnosis.replay.terms import TermCourse, with_terms
 from model_diagnosis.replay.wheel_pressures import WheelPressures
 from signals.wheels import WHEELS
@@ -62,22 +61,7 @@ roads that change at once."""
 
 _ACT_BY_JUMPS = ("mu_step.place",)
 
-_OF_THE_CAR_ONLY = RECORD_COLUMNS | {"tyre_peak_shape.sliding_loss"}
-"""Columns that change numbers or tables of the car, and neither pressures nor sensors."""
-
 _REPLAYED = (Application.PLANT, Application.INPUT, Application.SENSOR)
-_OBSERVED_SENSORS = ("gyro_offset", "gyro_scale", "tone_ring_error")
-"""Effects of sensors that the observer corrects on, so that their columns need a replay."""
-
-
-@dataclass(frozen=True)
-class _Step:
-    """Step of a finite difference: place and name of its column, its size, and the deviations with it."""
-
-    place: int
-    name: str
-    size: float
-    deviations: Mapping[str, float]
 
 
 class Replay(ReplayBase):
@@ -143,9 +127,9 @@ class Replay(ReplayBase):
     def predict(self, theta: FloatArray, m: int) -> FloatArray:
         """Observer replay (n, c): each sample predicted from those before it, with the same gains for every theta."""
         prepared, deviations, known = self.prepared[m], self.deviations_at(theta, m), self._known[m]
-        parts = self._parts(deviations, prepared, self.gains, known=tuple(known))
+        parts = self.parts_of(deviations, prepared, self.gains, known=tuple(known))
         known.append(parts)
-        return self._reported(deviations, prepared, parts)
+        return self.reported(deviations, prepared, parts)
 
     def residuals(self, theta: FloatArray) -> list[FloatArray]:
         """Measured minus predicted (n, c) of each manoeuvre, 0 where the weight is 0; all manoeuvres side by side."""
@@ -153,16 +137,16 @@ class Replay(ReplayBase):
 
         def begun(m: int) -> tuple[Key, FloatArray | CarRun, Key, FloatArray | None]:
             (deviations, prepared), known = asked[m], tuple(self._known[m])
-            car_key = self._car_key(deviations, prepared)
-            key, pressures = self._pressures(deviations, prepared, False, known)
+            car_key = self.car_key(deviations, prepared)
+            key, pressures = self.pressures_by(deviations, prepared, False, known)
             same = next((one.car for one in known if one.car_key == car_key), None)
-            return car_key, self._run_of(deviations, prepared, pressures) if same is None else same, key, pressures
+            return car_key, self.run_of(deviations, prepared, pressures) if same is None else same, key, pressures
 
-        made = list(self._pool.map(begun, range(len(asked))))
+        made = list(self.mapped(begun, range(len(asked))))
         runs = {m: car for m, (_, car, _, _) in enumerate(made) if isinstance(car, CarRun)}
         cars = {m: car for m, (_, car, _, _) in enumerate(made) if not isinstance(car, CarRun)}
         groups = [[list(runs)[k] for k in one] for one in together(list(runs.values()))]
-        outputs = self._pool.map(lambda group: run_four([runs[m] for m in group], self.gains), groups)
+        outputs = self.mapped(lambda group: run_four([runs[m] for m in group], self.gains), groups)
         for group, found in zip(groups, outputs, strict=True):
             cars |= zip(group, found, strict=True)
 
@@ -170,16 +154,16 @@ class Replay(ReplayBase):
             (deviations, prepared), (car_key, _, pressure_key, pressures) = asked[m], made[m]
             parts = Parts(car_key, cars[m], pressure_key, pressures)
             self._known[m].append(parts)
-            predicted = self._reported(deviations, prepared, parts)
+            predicted = self.reported(deviations, prepared, parts)
             return np.where(prepared.weights > 0.0, prepared.measured - predicted, 0.0)
 
-        return list(self._pool.map(of, range(len(asked))))
+        return list(self.mapped(of, range(len(asked))))
 
     def free_run(self, theta: FloatArray, m: int, horizon_s: float | None = None) -> FloatArray:
         """Free run (n, c); with ``horizon_s`` it restarts so often at the measured wheel speeds, speed and yaw rate."""
         horizon = 0 if horizon_s is None else max(round(horizon_s / SAMPLE_TIME_S), 1)
         prepared, deviations = self.prepared[m], self.deviations_at(theta, m)
-        return self._reported(deviations, prepared, self._parts(deviations, prepared, _FREE, horizon))
+        return self.reported(deviations, prepared, self.parts_of(deviations, prepared, _FREE, horizon))
 
     def states(self, theta: FloatArray, m: int) -> dict[str, FloatArray]:
         """States of the observer replay over which residuals are looked at, name -> (n,): speed, slips, loads, …"""
@@ -198,7 +182,7 @@ class Replay(ReplayBase):
         """
         chosen = list(range(len(self.columns))) if columns is None else [int(column) for column in columns]
         at = np.asarray(theta, dtype=np.float64)
-        return [self._sweep(at, m, chosen) for m in range(len(self.prepared))]
+        return [sweep(self, at, m, chosen) for m in range(len(self.prepared))]
 
     def corrections(self, m: int) -> FloatArray:
         """(c, 1) change of the observer's speed by one unit of each compared signal's residual."""
@@ -246,9 +230,10 @@ class Replay(ReplayBase):
         chosen: NDArray[np.int64],
     ) -> FloatArray:
         """Outputs of the car before the sensors, (n, len(chosen))."""
-        return run_one(self._run_of(deviations, prepared, pressures), gains, horizon, chosen)
+        return run_one(self.run_of(deviations, prepared, pressures), gains, horizon, chosen)
 
-    def _run_of(self, deviations: Mapping[str, float], prepared: Prepared, pressures: FloatArray | None) -> CarRun:
+    def run_of(self, deviations: Mapping[str, float], prepared: Prepared, pressures: FloatArray | None) -> CarRun:
+        """Car and what drives it."""
         inputs = self.inputs_at(deviations, prepared, pressures)
         return CarRun(
             prepared,
@@ -258,22 +243,33 @@ class Replay(ReplayBase):
             prepared.corrected_at(deviations),
         )
 
-    def _with_car(self, run: CarRun, deviations: Mapping[str, float]) -> CarRun:
+    def with_car(self, run: CarRun, deviations: Mapping[str, float]) -> CarRun:
         """The same with another car, whose deviations change nothing else."""
         return replace(run, cars=self._record_at(deviations), tables=self.tables_at(deviations))
 
-    def _car_key(self, deviations: Mapping[str, float], prepared: Prepared) -> Key:
+    def acts_as(self, column: int, m: int) -> str | None:
+        """Column of the catalogue or a term that a column acts as in a manoeuvre; None where it does not act there."""
+        return self._columns.acts_as(column, m)
+
+    @property
+    def terms(self) -> Sequence[TermCourse]:
+        """Terms that are columns, too."""
+        return self._columns.terms
+
+    def car_key(self, deviations: Mapping[str, float], prepared: Prepared) -> Key:
+        """Deviations that a car's outputs hang on."""
         by_pressure = not prepared.pressure_known and prepared.hydraulics is not None
         return without(deviations, () if by_pressure else HYDRAULIC_COLUMNS)
 
-    def _pressures(
+    def pressures_by(
         self, deviations: Mapping[str, float], prepared: Prepared, is_free: bool, known: Iterable[Parts]
     ) -> tuple[Key, FloatArray | None]:
+        """Pressures (n, 4) by the hydraulic unit and the deviations they hang on; None where the log tells nothing."""
         key = selected(deviations, self._of_pressures)
         same = next((one for one in known if one.pressure_key == key), None)
         return key, same.pressures if same else self.pressures.at(deviations, prepared, free=is_free)
 
-    def _parts(
+    def parts_of(
         self,
         deviations: Mapping[str, float],
         prepared: Prepared,
@@ -282,13 +278,13 @@ class Replay(ReplayBase):
         known: Iterable[Parts] = (),
     ) -> Parts:
         """Both parts of a prediction; those that the deviations leave as in a ``known`` one are taken from it."""
-        pressure_key, pressures = self._pressures(deviations, prepared, not gains.any(), known)
-        car_key = self._car_key(deviations, prepared)
+        pressure_key, pressures = self.pressures_by(deviations, prepared, not gains.any(), known)
+        car_key = self.car_key(deviations, prepared)
         same = next((one for one in known if one.car_key == car_key), None)
         car = same.car if same else self.car_outputs(deviations, prepared, pressures, gains, horizon, prepared.chosen)
         return Parts(car_key, car, pressure_key, pressures)
 
-    def _reported(self, deviations: Mapping[str, float], prepared: Prepared, parts: Parts) -> FloatArray:
+    def reported(self, deviations: Mapping[str, float], prepared: Prepared, parts: Parts) -> FloatArray:
         """What the sensors report (n, c)."""
         count = len(prepared.chosen)
         moving = measured_signals(deviations, prepared.signals[:count], parts.car, prepared.carriers)
@@ -299,55 +295,10 @@ class Replay(ReplayBase):
             columns.append(self.pressures.unit.master(deviations, prepared.hydraulics)[:, None])
         return np.concatenate(columns, axis=1)
 
-    def _step_of(self, theta: FloatArray, column: int) -> float:
+    def step_of(self, theta: FloatArray, column: int) -> float:
+        """Step of a column's finite difference, towards the inside of its bounds."""
         parameter, name = self.parameters[column], self.columns[column]
         by_steps = not self.pressures.unit.flows and any(one.replays_pressures for one in self.prepared)
         jumps = name in _ACT_BY_JUMPS or (by_steps and acts_on_pressures(name))
         step = (_COARSE_STEP_SHARE if jumps else STEP_SHARE) * parameter.effect_std
         return step if theta[column] + step <= parameter.high else -step
-
-    def _steps(self, theta: FloatArray, m: int, columns: Sequence[int]) -> list[_Step]:
-        """Steps of finite differences by those of the columns that act in manoeuvre ``m``."""
-        prepared, deviations = self.prepared[m], self.deviations_at(theta, m)
-        at_rest = prepared.hydraulics is not None and not prepared.hydraulics.switched
-        steps = []
-        for place, column in enumerate(columns):
-            name = self._columns.acts_as(column, m)
-            if name is not None and not (at_rest and acts_by_valves(name)):
-                size = self._step_of(theta, column)
-                steps.append(_Step(place, name, size, {**deviations, name: deviations.get(name, 0.0) + size}))
-        return steps
-
-    def _sweep(self, theta: FloatArray, m: int, columns: Sequence[int]) -> FloatArray:
-        """Derivatives (n, c, len(columns)) of manoeuvre ``m``."""
-        prepared, deviations = self.prepared[m], self.deviations_at(theta, m)
-        base = self._parts(deviations, prepared, self.gains)
-        usual = self._run_of(deviations, prepared, base.pressures)
-        reported, count = self._reported(deviations, prepared, base), len(prepared.chosen)
-        analytic = sensor_columns(deviations, prepared.signals[:count], base.car, prepared.carriers)
-        result = np.zeros((*reported.shape, len(columns)))
-        by_car, others = [], []
-        for step in self._steps(theta, m, columns):
-            if step.name in _OF_THE_CAR_ONLY and not prepared.drives(step.name):
-                by_car.append(step)
-            elif step.name not in analytic or prepared.drives(step.name) or step.name.startswith(_OBSERVED_SENSORS):
-                others.append(step)
-            else:
-                result[:, :count, step.place] = analytic[step.name]
-
-        def derive(step: _Step) -> None:
-            parts = self._parts(step.deviations, prepared, self.gains, known=(base,))
-            result[:, :, step.place] = (self._reported(step.deviations, prepared, parts) - reported) / step.size
-
-        def run(cars: Sequence[CarRun]) -> FloatArray:
-            outputs = run_eight(cars, self.gains)
-            return measured_signals(deviations, prepared.signals[:count], outputs, prepared.carriers)
-
-        if by_car:
-            # with the car as it is among the eights a column that does nothing is exactly 0
-            cars = [usual, *(self._with_car(usual, step.deviations) for step in by_car)]
-            moved = list(self._pool.map(run, [cars[k : k + MANY] for k in range(0, len(cars), MANY)]))
-            change = np.concatenate([moved[0][:, :, 1:], *moved[1:]], axis=2) - moved[0][:, :, :1]
-            result[:, :count, [step.place for step in by_car]] = change / [step.size for step in by_car]
-        list(self._pool.map(derive, others))
-        return result

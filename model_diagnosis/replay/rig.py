@@ -107,7 +107,7 @@ class RigReplay(ReplayBase):
                 slopes[:, :, place] = (self.predict(moved, m) - base) / step
             return slopes
 
-        return list(self._pool.map(of, range(len(self.prepared))))
+        return list(self.mapped(of, range(len(self.prepared))))
 
     def _step_of(self, theta: FloatArray, column: int) -> float:
         parameter = self.parameters[column]

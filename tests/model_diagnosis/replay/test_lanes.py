@@ -108,7 +108,7 @@ def test_every_car_of_eight_runs_as_it_does_alone(replay: Replay) -> None:
     """To 1e-9 of each signal's size: sums of products round once where they can, and a stop takes 5000 steps."""
     prepared = replay.prepared[1]
     asked = [replay.deviations_at(_drawn(replay, seed), 1) for seed in range(8)]
-    runs = [replay._run_of(deviations, prepared, replay.pressures.at(deviations, prepared)) for deviations in asked]
+    runs = [replay.run_of(deviations, prepared, replay.pressures.at(deviations, prepared)) for deviations in asked]
     together = run_eight(runs, replay.gains)
     for lane, run in enumerate(runs):
         found = together[:, :, lane]
@@ -139,7 +139,7 @@ def test_sweeps_are_differences_of_single_runs(replay: Replay) -> None:
     for m, matrix in enumerate(replay.sensitivities(theta, columns)):
         alone = Replay(replay.vehicle, [replay.manoeuvres[m]])
         for k, column in enumerate(columns):
-            step = replay._step_of(theta, column)
+            step = replay.step_of(theta, column)
             moved = theta.copy()
             moved[column] += step
             difference = (alone.predict(moved, 0) - alone.predict(theta, 0)) / step
