@@ -117,6 +117,9 @@ class BenchProcess:
 def bench_command(tmp_path: Path) -> Iterator[Callable[..., BenchProcess]]:
     """Starts ``bench`` in an empty folder: ``bench_command("run", "stops/dry").end()``."""
     started: list[BenchProcess] = []
+    # tests that a shell has started in its background ignore Ctrl-C, and so would all that they start
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def start(*arguments: str) -> BenchProcess:
         started.append(BenchProcess(tmp_path, *arguments))
