@@ -151,11 +151,12 @@ class ReplayBase(ABC):
     def residuals(self, theta: FloatArray) -> list[FloatArray]:
         """Measured minus predicted (n, c) of each manoeuvre, 0 where the weight is 0."""
 
-        def of(m: int) -> FloatArray:
-            prepared = self.prepared[m]
-            return np.where(prepared.weights > 0.0, prepared.measured - self.predict(theta, m), 0.0)
+        return list(self.mapped(lambda m: self.residual(m, self.predict(theta, m)), range(len(self.prepared))))
 
-        return list(self.mapped(of, range(len(self.prepared))))
+    def residual(self, m: int, predicted: FloatArray) -> FloatArray:
+        """Measured minus this prediction (n, c) of manoeuvre ``m``, 0 where the weight is 0."""
+        prepared = self.prepared[m]
+        return np.where(prepared.weights > 0.0, prepared.measured - predicted, 0.0)
 
     def sensor_std(self, signal: str) -> float:
         """Own noise of a signal's sensor in the signal's unit."""

@@ -11,9 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S
-from model_diagnosis.replay.compiled_replay import replay_car
-from model_diagnosis.replay.derived import derive
-from model_diagnosis.replay.deviations import change_record
 from model_diagnosis.replay.disturb_step import (
     BANK,
     FORCE_X,
@@ -29,6 +26,7 @@ from model_diagnosis.replay.hydraulic import GAIN as PRESSURE_GAIN
 from model_diagnosis.replay.prepared import PRESSURES, Prepared
 from model_diagnosis.replay.record import CORRECTED
 from model_diagnosis.replay.replay import Replay
+from model_diagnosis.replay.side_by_side_cars import run_one
 from signals.wheels import WHEELS
 
 FloatArray = NDArray[np.float64]
@@ -109,31 +107,12 @@ def _of_level_one(courses: list[tuple[int, FloatArray]], least: float) -> Iterat
 def _moved(replay: Replay, theta: FloatArray, m: int) -> dict[str, FloatArray]:
     """Answers to forces, torques and moments."""
     prepared, deviations = replay.prepared[m], replay.deviations_at(theta, m)
-    cars = replay.car.record.copy()
-    change_record(cars, deviations)
-    derive(cars)
-    tried = {"N": 0.005 * 9.81 * float(cars[0]["mass"]), "N m": 0.01 * float(np.sum(cars[0]["static_load"])) * 0.1}
-    pressures = replay.pressures.at(deviations, prepared)
-    inputs, corrected = replay.inputs_at(deviations, prepared, pressures), prepared.corrected_at(deviations)
-    fixed = (
-        replay.tables_at(deviations),
-        inputs,
-        prepared.between.reshape(-1, len(WHEELS)),
-        corrected,
-        prepared.valid,
-        prepared.start[None],
-        replay.gains,
-        prepared.least,
-        0,
-        SAMPLE_TIME_S,
-    )
-
-    phases = prepared.phases.inputs, prepared.phases.corrected, prepared.phases.outputs
+    driven = replay.run_of(deviations, prepared, replay.pressures.at(deviations, prepared))
+    car = driven.cars[0]
+    tried = {"N": 0.005 * 9.81 * float(car["mass"]), "N m": 0.01 * float(np.sum(car["static_load"])) * 0.1}
 
     def run(place: int, disturbance: FloatArray) -> FloatArray:
-        out = np.empty((prepared.manoeuvre.samples, len(prepared.chosen)))
-        replay_car(cars, *fixed, prepared.chosen, *phases, place, disturbance, out)
-        return out
+        return run_one(driven, replay.gains, 0, prepared.chosen, place, disturbance)
 
     usual = run(NOWHERE, np.zeros(0))
     found = {}

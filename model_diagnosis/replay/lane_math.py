@@ -19,6 +19,8 @@ _SMALL_ANGLE = 0.8
 """Angle [rad] up to which the series below hold to the last digit."""
 
 _LARGEST_EXPONENT = 708.0
+"""Whose exponential is a normal number still, as that of its negative is (e^709.8 is the largest double)."""
+
 _PER_LN_2 = 1.0 / math.log(2.0)
 _FACTORIAL_13, _FACTORIAL_14, _FACTORIAL_15 = 6227020800.0, 87178291200.0, 1307674368000.0
 _FACTORIAL_16, _FACTORIAL_17 = 20922789888000.0, 355687428096000.0

@@ -154,8 +154,7 @@ class Replay(ReplayBase):
             (deviations, prepared), (car_key, _, pressure_key, pressures) = asked[m], made[m]
             parts = Parts(car_key, cars[m], pressure_key, pressures)
             self._known[m].append(parts)
-            predicted = self.reported(deviations, prepared, parts)
-            return np.where(prepared.weights > 0.0, prepared.measured - predicted, 0.0)
+            return self.residual(m, self.reported(deviations, prepared, parts))
 
         return list(self.mapped(of, range(len(asked))))
 

@@ -236,6 +236,7 @@ def settle(p: Record, s: Record, start: NDArray[np.float64], step: float) -> Non
 def run_through(
     p: Record,
     s: Record,
+    work: Any,
     tables: NDArray[np.float64],
     inputs: NDArray[np.float64],
     between: NDArray[np.float64],
@@ -252,7 +253,6 @@ def run_through(
     output_phases: NDArray[np.float64],
     place: int,
     disturbance: NDArray[np.float64],
-    work: Any,
     out: NDArray[np.float64],
 ) -> None:
     """Replay one manoeuvre with one car, or with eight: arrays of the latter are as below or have an axis more.
@@ -260,6 +260,7 @@ def run_through(
     Parameters
     ----------
     p, s : the car and its state, zeros
+    work : room for two sets of outputs and for what the observer sees, knows, counts and begins anew with, 6 of each
     tables : (4 (CELLS + 1), 2) of the tyres: axle, direction, cell
     inputs : (n, INPUTS), or (n, INPUTS_WITH_TERMS)
     between : (n SUBSTEPS, 4) pressures beside the straight line in the middle of the steps before each sample [Pa]
@@ -273,7 +274,6 @@ def run_through(
     input_phases, corrected_phases, output_phases : (INPUTS,), (6,), (c,) in samples, see ``phases``
     place : where a disturbance acts (``disturb_step``), or ``NOWHERE``
     disturbance : (n,) N or N m, each in the step to its sample
-    work : room for two sets of outputs and for what the observer sees, knows, counts and begins anew with, 6 of each
     out : (n, c) predictions before each sample's correction
     """
     take_tables(s, tables)

@@ -52,8 +52,15 @@ class CarRun:
         )
 
 
-def run_one(run: CarRun, gains: FloatArray, horizon: int, chosen: NDArray[np.int64]) -> FloatArray:
-    """Outputs (n, len(chosen)) of one car before the sensors; ``horizon`` in samples, 0 for none."""
+def run_one(
+    run: CarRun,
+    gains: FloatArray,
+    horizon: int,
+    chosen: NDArray[np.int64],
+    place: int = NOWHERE,
+    disturbance: FloatArray = _QUIET,
+) -> FloatArray:
+    """Outputs (n, len(chosen)) of one car before the sensors; arguments as in ``run_through``."""
     prepared, phases = run.prepared, run.prepared.phases
     out = np.empty((len(run.inputs), len(chosen)))
     taken = phases.outputs if chosen is prepared.chosen else np.zeros(len(chosen))
@@ -73,8 +80,8 @@ def run_one(run: CarRun, gains: FloatArray, horizon: int, chosen: NDArray[np.int
         phases.inputs,
         phases.corrected,
         taken,
-        NOWHERE,
-        _QUIET,
+        place,
+        disturbance,
         out,
     )
     return out
