@@ -15,6 +15,10 @@ from bench.verdict.output_files import replace_file
 
 _THREAD_SETTINGS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
+_TASKS_PER_WORKER = 25
+"""Tasks after which workers are started anew, since what they keep grows. The executor's own ``max_tasks_per_child``
+can wait for ever for a worker that has ended (CPython issue 115634)."""
+
 
 def answer_case(case: Path) -> dict[str, Any]:
     """Diagnosis of one case as plain data; a refusal by the tool is an answer too."""
@@ -47,14 +51,14 @@ def in_workers(function: Callable[..., None], tasks: Sequence[tuple[Any, ...]], 
         return
     for name in _THREAD_SETTINGS:  # before the workers start: they read them at import
         os.environ.setdefault(name, "1")
-    workers = min(jobs, len(tasks))
-    with ProcessPoolExecutor(
-        workers, get_context("spawn"), initializer=initialise, initargs=("",), max_tasks_per_child=25
-    ) as pool:
-        futures = {pool.submit(function, *task): number for number, task in enumerate(tasks)}
-        for future in as_completed(futures):
-            future.result()
-            yield futures[future]
+    for begin in range(0, len(tasks), jobs * _TASKS_PER_WORKER):
+        numbers = range(begin, min(begin + jobs * _TASKS_PER_WORKER, len(tasks)))
+        workers = min(jobs, len(numbers))
+        with ProcessPoolExecutor(workers, get_context("spawn"), initializer=initialise, initargs=("",)) as pool:
+            futures = {pool.submit(function, *tasks[number]): number for number in numbers}
+            for future in as_completed(futures):
+                future.result()
+                yield futures[future]
 
 
 def answer_all(

@@ -12,6 +12,7 @@ import psutil
 import pytest
 
 from bench.challenge import run_challenge
+from bench.challenge.answering import in_workers
 from bench.challenge.generator import generate
 from bench.challenge.running import SCORE_FILE
 from bench.cli import main
@@ -123,6 +124,14 @@ def test_what_a_broken_off_run_has_measured_is_kept_and_the_rest_is_measured(tmp
 def test_unknown_names_end_with_what_is_allowed(option: str, value: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["diagnose", "challenge", "--seed", "1", "--n", "1", option, value]) == 2
     assert value in capsys.readouterr().err
+
+
+def test_more_tasks_than_workers_live_for_are_all_done(tmp_path: Path) -> None:
+    # the executor's own way to renew workers stands still after 2 x 25 tasks (CPython issue 115634)
+    folders = [tmp_path / str(number) for number in range(120)]
+    done = list(in_workers(os.mkdir, [(str(folder),) for folder in folders], 2))
+    assert sorted(done) == list(range(120))
+    assert all(folder.is_dir() for folder in folders)
 
 
 def test_workers_end_with_a_challenge_that_is_killed(begun: Path, tmp_path: Path) -> None:
