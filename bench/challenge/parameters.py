@@ -39,7 +39,8 @@ class Estimate:
 def estimate_of(effect: Mapping[str, Any], parameters: Mapping[str, Mapping[str, Any]]) -> Estimate | None:
     """Estimate of a label's effect from the parameters of a cause; None where the cause has none for it.
 
-    A relative effect's label is the physical value over the data sheet's, an absolute one's the physical value.
+    A relative effect's label is the physical value over the data sheet's, an absolute one's the physical value; of a
+    factor that no data sheet has it is what is added to 1.
 
     Raises
     ------
@@ -60,7 +61,8 @@ def estimate_of(effect: Mapping[str, Any], parameters: Mapping[str, Mapping[str,
                 allowed=str(found["unit"]),
                 mend="state it in the catalogue's unit",
             )
-        return Estimate(value, low, high)
+        own = nominal if found["unit"] == "1" and nominal == 1.0 else 0.0
+        return Estimate(value - own, low - own, high - own)
     if nominal == 0.0:
         return Estimate(1.0 + value, 1.0 + low, 1.0 + high)
     ends = sorted((low / nominal, high / nominal))

@@ -230,6 +230,14 @@ def test_the_parameter_that_was_changed_is_the_one_that_is_scored(
     assert (None if found is None else found.value) == (None if expected is None else pytest.approx(expected, rel=1e-5))
 
 
+def test_the_amplitude_of_a_ring_that_a_cause_adds_to_a_factor_of_one_counts_alone() -> None:
+    ring = {"name": "tone_ring_error", "place": "fr", "unit": "1", "relative": False}
+    stated = {"fr": {"value": 1.005, "low": 1.004, "high": 1.006, "nominal": 1.0, "unit": "1"}}
+    found = estimate_of(ring, stated)
+    assert found is not None
+    assert (found.value, found.low, found.high) == pytest.approx((0.005, 0.004, 0.006))
+
+
 def test_cases_below_four_scatters_do_not_count_for_the_required_figures() -> None:
     small = CaseScore("a", "single", "mass_change", 2.0, "nothing", first=False)
     assert next(f for f in figures_of([small]).shares if f.name == "right cause first").count == 0
