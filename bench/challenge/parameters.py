@@ -26,6 +26,9 @@ _BY_EFFECT = {
 }
 """Parameter that holds the change, for effects with several that are not told apart by a wheel or an axle."""
 
+_ADDED_TO_ONE = ("tone_ring_error",)
+"""Effects whose label is an amplitude and whose cause states the factor, 1 and the amplitude."""
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -39,8 +42,7 @@ class Estimate:
 def estimate_of(effect: Mapping[str, Any], parameters: Mapping[str, Mapping[str, Any]]) -> Estimate | None:
     """Estimate of a label's effect from the parameters of a cause; None where the cause has none for it.
 
-    A relative effect's label is the physical value over the data sheet's, an absolute one's the physical value; of a
-    factor that no data sheet has it is what is added to 1.
+    A relative effect's label is the physical value over the data sheet's, an absolute one's the physical value.
 
     Raises
     ------
@@ -61,7 +63,7 @@ def estimate_of(effect: Mapping[str, Any], parameters: Mapping[str, Mapping[str,
                 allowed=str(found["unit"]),
                 mend="state it in the catalogue's unit",
             )
-        own = nominal if found["unit"] == "1" and nominal == 1.0 else 0.0
+        own = nominal if effect["name"] in _ADDED_TO_ONE else 0.0
         return Estimate(value - own, low - own, high - own)
     if nominal == 0.0:
         return Estimate(1.0 + value, 1.0 + low, 1.0 + high)

@@ -230,12 +230,20 @@ def test_the_parameter_that_was_changed_is_the_one_that_is_scored(
     assert (None if found is None else found.value) == (None if expected is None else pytest.approx(expected, rel=1e-5))
 
 
-def test_the_amplitude_of_a_ring_that_a_cause_adds_to_a_factor_of_one_counts_alone() -> None:
-    ring = {"name": "tone_ring_error", "place": "fr", "unit": "1", "relative": False}
-    stated = {"fr": {"value": 1.005, "low": 1.004, "high": 1.006, "nominal": 1.0, "unit": "1"}}
-    found = estimate_of(ring, stated)
+@pytest.mark.parametrize(
+    ("name", "place", "parameter", "expected"),
+    [
+        ("tone_ring_error", "fr", "fr", (0.005, 0.004, 0.006)),  # an amplitude, told as a factor
+        ("brake_pad_pressure", "", "exponent", (1.005, 1.004, 1.006)),  # an exponent, whose healthy value is 1 too
+    ],
+)
+def test_what_a_label_states_is_compared_with_the_same_quantity(
+    name: str, place: str, parameter: str, expected: tuple[float, float, float]
+) -> None:
+    stated = {parameter: {"value": 1.005, "low": 1.004, "high": 1.006, "nominal": 1.0, "unit": "1"}}
+    found = estimate_of({"name": name, "place": place, "unit": "1", "relative": False}, stated)
     assert found is not None
-    assert (found.value, found.low, found.high) == pytest.approx((0.005, 0.004, 0.006))
+    assert (found.value, found.low, found.high) == pytest.approx(expected)
 
 
 def test_cases_below_four_scatters_do_not_count_for_the_required_figures() -> None:
