@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from hydraulics.pressure import line_pressure, low_pressure, run_pump, softened, wheel_mode, write_outputs
-from hydraulics.record import DECREASE, HOLD, INCREASE, LONGEST_DELAY_STEPS, STEP_S
+from hydraulics.record import DECREASE, HOLD, INCREASE, INVALID, LONGEST_DELAY_STEPS, STEP_S
 from hydraulics.valves import flow_factor, leak, remember_inputs, take_up
 
 
@@ -53,11 +53,12 @@ def first_order_step(
         pressure = state.pressure[wheel]
         low = low_pressure(parameters, state, wheel, pump)
         line = line_pressure(parameters, wheel, supply)
-        if mode == DECREASE:
-            time_constant = parameters.first_order_time_constant * flow_factor(parameters, wheel, mode)
+        if mode in (DECREASE, INVALID):
+            time_constant = parameters.first_order_time_constant * flow_factor(parameters, wheel, DECREASE)
             wanted = softened(parameters, state, wheel, _approach(pressure, low, low, time_constant))
             pressure = take_up(parameters, state, wheel, wanted)
-        elif mode != HOLD or line < pressure:
+            state.pressure[wheel] = pressure
+        if mode in (INCREASE, INVALID) or (mode == HOLD and line < pressure):
             time_constant = parameters.first_order_time_constant * flow_factor(parameters, wheel, INCREASE)
             wanted = _approach(pressure, line_pressure(parameters, wheel, before), line, time_constant)
             pressure = softened(parameters, state, wheel, wanted)

@@ -117,6 +117,7 @@ PARAMETERS: tuple[Parameter, ...] = (
     ),
     _hydraulics("rearm_near_target", "1", 0.0, 0.0, 1.0, "1 re-arms build-up each step near the target", _SPEC),
     _hydraulics("literal_event", "1", 0.0, 0.0, 1.0, "1 uses the printed AND form of the event", "document 2.6.3"),
+    _hydraulics("flow_through", "1", 0.0, 0.0, 1.0, "1 lets fluid through two open valves, 0 holds", "document 2.6.1"),
     _hydraulics("pump_failure", "1", 0.0, 0.0, 1.0, "1 stops the return pump", "neutral"),
     *_per_wheel("inlet_stuck", "1", 2.0, f"inlet {_STUCK}"),
     *_per_wheel("outlet_stuck", "1", 2.0, f"outlet {_STUCK}"),

@@ -88,6 +88,7 @@ def _follow_segment(parameters: Any, state: Any, wheel: int, mode: int, goal: fl
     if retarget:
         if mode == HOLD:
             before = max(state.previous_state[wheel], 0)
+            before = HOLD if before == INVALID else before
             running = parameters.time_constant[before] * flow_factor(parameters, wheel, before)
             state.target[wheel] -= state.difference[wheel] * np.exp(-continued / running)
         else:
@@ -121,7 +122,26 @@ def softened(parameters: Any, state: Any, wheel: int, wanted: float) -> float:
 
 
 @njit(cache=True, forceinline=True)
+def _flow_through(parameters: Any, state: Any, wheel: int, line: float, low: float) -> None:
+    """Both valves open: fluid comes in from the line and leaves to the accumulator, each by its valve's time constant."""
+    before = float(state.pressure[wheel])
+    filling = parameters.time_constant[INCREASE] * flow_factor(parameters, wheel, INCREASE)
+    emptying = parameters.time_constant[DECREASE] * flow_factor(parameters, wheel, DECREASE)
+    filled = softened(parameters, state, wheel, line - (line - before) * np.exp(-STEP_S / filling))
+    emptied = softened(parameters, state, wheel, low - (low - before) * np.exp(-STEP_S / emptying))
+    pressure = filled - before + take_up(parameters, state, wheel, emptied)
+    pressure = leak(parameters, state, wheel, pressure, line, low)
+    state.pressure[wheel] = max(min(pressure, line), 0.0)
+    # whatever comes next begins at rest
+    state.target[wheel], state.difference[wheel], state.segment_time[wheel] = state.pressure[wheel], 0.0, 0.0
+    state.previous_state[wheel] = INVALID
+
+
+@njit(cache=True, forceinline=True)
 def _wheel_step(parameters: Any, state: Any, wheel: int, mode: int, line: float, low: float) -> None:
+    if mode == INVALID:
+        _flow_through(parameters, state, wheel, line, low)
+        return
     goal = low if mode == DECREASE else line
     wanted = _follow_segment(parameters, state, wheel, mode, goal)
 
@@ -151,12 +171,15 @@ def write_outputs(parameters: Any, state: Any, master_pressure: float, wheel_spe
 
 @njit(cache=True, forceinline=True)
 def wheel_mode(parameters: Any, state: Any, wheel: int, pump: int, out: Any) -> int:
-    """What the selection logic makes of a wheel's valves; an invalid combination is reported and held."""
+    """What the selection logic makes of a wheel's valves.
+
+    An invalid combination is reported, and held unless the unit lets fluid flow through both valves.
+    """
     mode, _ = select(parameters, inlet_closed(parameters, state, wheel), outlet_open(parameters, state, wheel), pump)
     out[5 + wheel] = mode
     if mode == INVALID:
         state.invalid_steps[wheel] += 1
-        return HOLD
+        return INVALID if parameters.flow_through > 0.5 else HOLD
     return int(mode)
 
 

@@ -23,6 +23,7 @@ _UNIT_NUMBERS = (
     "active_build_up",
     "rearm_near_target",
     "literal_event",
+    "flow_through",
     "pump_failure",
     "pump_rate",
 )

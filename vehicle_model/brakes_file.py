@@ -201,6 +201,7 @@ class Hydraulics(FileModel):
     )
     rearm_near_target: float = _from_zero("1 re-arms build-up each step near the target", "1", 1.0)
     literal_event: float = _from_zero("1 uses the printed AND form of the event", "1", 1.0)
+    flow_through: float = _from_zero("1 lets fluid through two open valves, 0 holds the pressure", "1", 1.0)
     pump_failure: float = _from_zero("1 stops the return pump", "1", 1.0)
     inlet_stuck_fl: float = _stuck("inlet")
     inlet_stuck_fr: float = _stuck("inlet")

@@ -36,6 +36,7 @@ _KNEE_PA = 8e6
 _CORNERING_M_S2 = 4.0
 _DEAD_BAND = 3.0
 _THRESHOLD = "hydraulics.pressure_change_threshold"
+_FLOW_THROUGH = "hydraulics.flow_through"
 _EVERY_CHANGE_PA = 1e3
 _PUMP_SAMPLES = 50
 _VALVES = ("inlet", "outlet")
@@ -289,6 +290,7 @@ class HydraulicReplay:
             # of two deviations that act on one number only the sum is limited
             values[path] = max(values[path], -_EARLIEST_S if path in _DEAD_TIMES else 0.0)
         if flows:
+            values[_FLOW_THROUGH] = 1.0
             values[_THRESHOLD] = min(values[_THRESHOLD], _EVERY_CHANGE_PA)
             values |= {path: max(values[path], _LEAST_LEAK) for path in _LEAKS}
         return values

@@ -6,6 +6,8 @@ straight line through the widest window about it that the noise alone explains (
 keep every sample.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
@@ -40,6 +42,9 @@ _QUIET_SAMPLES = 15
 _QUIET_SHARE = 0.1
 """Share of the windows of so many samples in which nothing but noise is taken to move a signal; an ABS moves pressures
 in nearly all others."""
+
+_KEPT = 256
+"""Pressures whose course is kept: what is late is asked for by replays that differ in one channel of many."""
 
 _CORRELATED = 1.0 + 2.0 * (4.0 / 6.0) ** 2 + 2.0 * (1.0 / 6.0) ** 2
 """Second differences of white noise that tell as much of its variance as one of independent numbers."""
@@ -86,6 +91,12 @@ def pressure_without_noise(values: FloatArray) -> FloatArray:
 
     Single peaks of the noise make a window's variance too large for its line; about them the median tells the rest.
     """
+    return _quiet_pressure(np.asarray(values, dtype=np.float64).tobytes()).copy()
+
+
+@lru_cache(maxsize=_KEPT)
+def _quiet_pressure(samples: bytes) -> FloatArray:
+    values = np.frombuffer(samples)
     quiet, noise = without_noise(values), noise_of(values)
     resting = median_filter(values, 2 * HALF_WIDTHS[-1] + 1, mode="reflect") < _LARGEST_MEDIAN * noise
     quiet[(quiet < _LEAST_PRESSURE * noise) | (resting & (values < _LARGEST_PEAK * noise))] = 0.0

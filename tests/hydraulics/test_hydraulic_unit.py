@@ -1,5 +1,7 @@
 """Selection logic, accumulators, brake torque, eq. 79, faults and parameters of the hydraulic unit."""
 
+from typing import Literal
+
 import numpy as np
 import pytest
 
@@ -81,6 +83,25 @@ def test_invalid_combination_is_reported_and_held() -> None:
     assert list(out[5:9]) == [3.0] * 4
     assert list(unit.invalid_steps) == [50] * 4
     assert before <= out[1] <= before + 1.2 * BAR
+
+
+@pytest.mark.parametrize("brake", ["hcu", "first_order"])
+def test_fluid_flows_through_two_open_valves_where_it_may(brake: Literal["hcu", "first_order"]) -> None:
+    """dp/dt = (100 bar - p) / tau_in - p / tau_out, solved in closed form; steps of 1 ms are 1 % off."""
+    filling, emptying = (0.05, 0.03) if brake == "hcu" else (0.02, 0.02)
+    numbers = {"flow_through": 1.0, "accumulator_volume": 1e-4, "pump_flow": 1e-3}
+    unit = HydraulicUnit(BRAKES | {f"hydraulics.{name}": value for name, value in numbers.items()}, brake=brake)
+    rate, rest = 1.0 / filling + 1.0 / emptying, 100.0 / filling / (1.0 / filling + 1.0 / emptying)
+    out = np.zeros(18)
+    run(unit, 100.0, (0.0, 0.0), 1.0, 1000)
+    for tick in range(1, 100):
+        unit.tick(100.0 * BAR, ZERO, ONE, 1.0, out)
+        assert out[1] / BAR == pytest.approx(rest + (100.0 - rest) * np.exp(-tick * STEP_S * rate), abs=1.5)
+    assert list(unit.invalid_steps) == [99] * 4
+    # what comes next goes on from there, and a full accumulator takes no more
+    assert run(unit, 100.0, (1.0, 0.0), 1.0, 50)[1] / BAR == pytest.approx(rest, abs=1.5)
+    unit.set("hydraulics.pump_failure", 1.0)
+    assert run(unit, 100.0, (0.0, 1.0), 1.0, 8000)[1] / BAR == pytest.approx(100.0, abs=0.1)
 
 
 def test_drop_without_pump_ends_at_the_accumulator_pressure() -> None:
