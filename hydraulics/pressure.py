@@ -123,7 +123,7 @@ def softened(parameters: Any, state: Any, wheel: int, wanted: float) -> float:
 
 @njit(cache=True, forceinline=True)
 def _flow_through(parameters: Any, state: Any, wheel: int, line: float, low: float) -> None:
-    """Both valves open: fluid comes in from the line and leaves to the accumulator, each by its valve's time constant."""
+    """Both valves open: fluid comes in from the line and leaves to the accumulator, each by its own valve."""
     before = float(state.pressure[wheel])
     filling = parameters.time_constant[INCREASE] * flow_factor(parameters, wheel, INCREASE)
     emptying = parameters.time_constant[DECREASE] * flow_factor(parameters, wheel, DECREASE)

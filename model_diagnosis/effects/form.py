@@ -38,6 +38,13 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         EffectParameter("share", "1", -1.0, 0.5, 1.0, 1.0),
     ),
     _form(
+        "form_support",
+        Group.SUSPENSION,
+        "links push up each side by F_x tan(eps) of its own wheel, or of both wheels' mean (d = -1): a rigid axle",
+        ("roll_rate",),
+        EffectParameter("apart", "1", -1.0, 0.3, 1.0, 1.0),
+    ),
+    _form(
         "form_weight_arm",
         Group.BODY,
         "the weight tips the body by m g (h - R + d): it turns about its wheels' axes, its roll axis or the ground",

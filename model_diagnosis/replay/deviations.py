@@ -135,6 +135,7 @@ def _form_changes() -> dict[str, tuple[_Change, ...]]:
         "form_contact_scrub.links": (_absolute("link_scrub"),),
         "form_pitch_pole.share": (_absolute("pitch_pole"),),
         "form_guide_lean.share": (_absolute("guide_lean"),),
+        "form_support.apart": (_absolute("support_apart"),),
         "form_transient.share": (_absolute("lag_on_force"),),
         "form_steering_link.share": (_absolute("steering_link"),),
         "form_trail.bulge": (_absolute("trail_bulge"),),

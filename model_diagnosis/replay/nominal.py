@@ -192,4 +192,5 @@ def _write_sensors(entry: np.void, vehicle: VehicleFile) -> None:
     entry["accelerometer_damping"] = inertial.damping_ratio
     entry["wheel_speed_lag"] = 0.5 * vehicle.sensors.wheel_speed.window
     entry["roll_scrub"] = entry["pitch_scrub"] = entry["link_scrub"] = entry["guide_lean"] = 1.0
+    entry["support_apart"] = 1.0
     entry["place_x"], entry["place_y"] = inertial.position_x, inertial.position_y
