@@ -70,6 +70,10 @@ def noise_of(values: FloatArray) -> float:
     return float(1.4826 * np.median(np.abs(np.diff(values, 3))) / np.sqrt(20.0))
 
 
+_RANGE_STD = 5.0
+"""Standard deviations of the noise by which a measured wrap may be off: two samples' noise and the trend's, thrice."""
+
+
 def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
     """Unwrap a counter: jumps that all have one size, far above any other step, with the trend going on across them."""
     if is_stepped(channel.name) or channel.name.startswith(_NEVER_WRAPS):
@@ -94,6 +98,7 @@ def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
     trend = np.array([_trend(steps, int(k), set(jumps.tolist())) for k in jumps])
     sizes = np.abs(steps[jumps] - trend)
     wrap = float(np.median(sizes))
+    wrap = _range_of_a_counter(wrap, _RANGE_STD * noise_of(values) / np.sqrt(len(sizes)))
     alike = np.abs(sizes - wrap) <= max(4.0 * usual, 0.02 * wrap)
     if np.mean(alike) < 0.5:
         return channel, []
@@ -111,6 +116,20 @@ def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
             kind="counter_wrap", channel=channel.name, value=wrap, unit=channel.unit, repaired=True, message=message
         )
     ]
+
+
+def _range_of_a_counter(measured: float, uncertainty: float) -> float:
+    """The number nearest to a measured wrap that a counter is likely to end at, the measured one where there is none.
+
+    A power of two times a resolution in powers of ten, else the number with the fewest decimal digits.
+    """
+    counters = np.ldexp(1.0, np.arange(1, 33))[:, None] * 10.0 ** np.arange(-9, 1)
+    nearest = float(counters.flat[np.argmin(np.abs(counters - measured))])
+    if abs(nearest - measured) <= uncertainty:
+        return nearest
+    first = int(np.floor(np.log10(measured)))
+    rounded = (round(measured, digits) for digits in range(-first, 9 - first))
+    return next((one for one in rounded if abs(one - measured) <= uncertainty), measured)
 
 
 def _goes_on(unwrapped: FloatArray, jumps: IndexArray) -> bool:
