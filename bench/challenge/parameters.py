@@ -26,9 +26,6 @@ _BY_EFFECT = {
 }
 """Parameter that holds the change, for effects with several that are not told apart by a wheel or an axle."""
 
-_ADDED_TO_ONE = ("tone_ring_error",)
-"""Effects whose label is an amplitude and whose cause states the factor, 1 and the amplitude."""
-
 
 @dataclass(frozen=True)
 class Estimate:
@@ -63,8 +60,7 @@ def estimate_of(effect: Mapping[str, Any], parameters: Mapping[str, Mapping[str,
                 allowed=str(found["unit"]),
                 mend="state it in the catalogue's unit",
             )
-        own = nominal if effect["name"] in _ADDED_TO_ONE else 0.0
-        return Estimate(value - own, low - own, high - own)
+        return Estimate(value, low, high)
     if nominal == 0.0:
         return Estimate(1.0 + value, 1.0 + low, 1.0 + high)
     ends = sorted((low / nominal, high / nominal))

@@ -85,7 +85,7 @@ SENSOR_EFFECTS: tuple[Effect, ...] = (
         group=Group.SENSOR,
         application=Application.SENSOR,
         equation="w' = w (1 + a cos(phi - phi_0)), phi the wheel's rotation, phi_0 read from the log",
-        parameters=tuple(EffectParameter(wheel, "1", 0.0, 0.1, 5e-4, 0.012) for wheel in WHEELS),
+        parameters=tuple(EffectParameter(wheel, "1", 0.0, 0.1, 5e-4, 0.012, relative=False) for wheel in WHEELS),
         signals=tuple(f"wheel_speed_{wheel}" for wheel in WHEELS),
         confounded_with=("disc_thickness_variation",),
         separating_manoeuvre="constant speed without braking: the ring shows, the disc does not",

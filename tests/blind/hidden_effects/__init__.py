@@ -10,13 +10,14 @@ import os
 import sys
 from pathlib import Path
 
-VERSION = "6"
+VERSION = "7"
 
 FORM_DIFFERENCES = (
     "step 0.5 ms; chassis by the two-step Adams-Bashforth rule, wheel spin and tyre force staggered (symplectic)",
     "tyre transient on the force, exponentially exact, instead of a lag of the slip",
     "pitch and roll of second order on springs and dampers; load transfer is what springs, dampers and links carry",
     "no heave, wheels without travel of their own, dampers with one rate for both directions, wheels stand upright",
+    "links take what braking and driving lift of an axle at both of its sides alike",
     "four-channel ABS logic of its own with a 10 ms cycle and a reference speed of its own",
     "brake discs warmed by the energy that they take, cooled by Newton's law",
     "booster with a lag of 20 ms, valves with 2 ms; the control unit decides half a cycle beside the sampled instants",

@@ -40,11 +40,11 @@ ROAD_TO_SENSOR: tuple[HiddenEffect, ...] = (
         "N m s/rad",
         False,
         0.01,
-        30,
+        60,
         UP,
         add("driveline_drag"),
         field="driveline_drag",
-        smallest=5,
+        smallest=10,
     ),
     HiddenEffect(
         "wheel_inertia_reflected", "driveline", "kg m^2", False, 0.03, 40, UP, reflected, also=("wheel_inertia",)

@@ -242,7 +242,8 @@ def _driven(car: Any, s: Any, i: int, drive_torque: float) -> float:
         return 0.0
     lock = car.differential_torque * math.tanh((s.omega[2] - s.omega[3]) / 0.5)
     coasting: float = car.engine_braking if drive_torque < DRIVING_NM else 0.0
-    return 0.5 * (drive_torque - coasting) - car.driveline_drag * s.omega[i] + (-lock if i == 2 else lock)
+    torque = drive_torque - coasting - car.driveline_drag * s.omega[i]  # of both wheels
+    return 0.5 * torque + (-lock if i == 2 else lock)
 
 
 @njit(cache=True)
