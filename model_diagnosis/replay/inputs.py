@@ -74,12 +74,21 @@ def reference_speed(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> FloatArray:
 
 
 def start_of(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> FloatArray:
-    """Speed and yaw rate (2,) at the first sample: a straight line through the first 0.2 s."""
+    """Speed, yaw rate and spins of the wheels (6,) at the first sample: straight lines through the first 0.2 s.
+
+    The spins are 0 where the speed is measured; where it is not, they tell it for any radii.
+    """
     count = min(_START_SAMPLES, manoeuvre.samples)
-    speed = reference_speed(manoeuvre, vehicle)[:count]
-    line = np.polyfit(np.arange(count), speed, 1) if count > 2 else np.array([0.0, speed[0]])
+
+    def first(values: FloatArray) -> float:
+        line = np.polyfit(np.arange(count), values[:count], 1) if count > 2 else values[:1]
+        return max(float(line[-1]), 0.0)
+
     yaw_rate = turning(manoeuvre, vehicle)
-    return np.array([max(float(line[1]), 0.0), 0.0 if yaw_rate is None else float(np.median(yaw_rate[: count // 2]))])
+    is_known = "speed" in manoeuvre.channels
+    spins = [0.0 if is_known else first(manoeuvre.channels[f"wheel_speed_{wheel}"]) for wheel in WHEELS]
+    turn = 0.0 if yaw_rate is None else float(np.median(yaw_rate[: count // 2]))
+    return np.array([first(reference_speed(manoeuvre, vehicle)), turn, *spins])
 
 
 def read_inputs(manoeuvre: Manoeuvre, channels: Mapping[str, FloatArray], vehicle: VehicleFile, car: np.void) -> Inputs:

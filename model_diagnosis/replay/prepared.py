@@ -66,7 +66,7 @@ class Prepared:
     chosen : outputs of the compiled run, in the order of the first signals; pressures follow them
     measured, weights : (n, c)
     corrected, valid : (n, 6) signals of ``CORRECTED`` and 1 where they hold
-    start : (2,) speed and yaw rate at the first sample
+    start : (6,) speed, yaw rate and spins of the wheels at the first sample
     driving : channels as they drive the replay: pressures without their sensors' noise
     hydraulics : None where the log tells nothing of them
     pressure_known, pressure_valid : True where all wheel pressures were measured; (n, 4) 1 where they hold

@@ -211,17 +211,29 @@ def correct_states(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _start_speed(p: Record, start: NDArray[np.float64]) -> float:
+    """The measured speed, or that of the second fastest wheel with this car's radii: nominal ones would deny theirs."""
+    known = at(start, 0, 0)
+    growth = p.radius_speed * known * known
+    fl, fr = (p.radius[0] + growth) * at(start, 0, 2), (p.radius[1] + growth) * at(start, 0, 3)
+    rl, rr = (p.radius[2] + growth) * at(start, 0, 4), (p.radius[3] + growth) * at(start, 0, 5)
+    second = max(min(max(fl, fr), max(rl, rr)), max(min(fl, fr), min(rl, rr)))
+    return where(second > 0.0, second, known)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def settle(p: Record, s: Record, start: NDArray[np.float64], step: float) -> None:
     """Settle at the first sample's inputs, speed and yaw rate."""
     prepare_accelerometer(p, s, step)
+    speed = _start_speed(p, start)
     for i in range(4):
-        s.spin[i] = at(start, 0, 0) / p.radius[i]
+        s.spin[i] = speed / p.radius[i]
         s.disc_temperature[i], s.disc_cosine[i] = p.start_temperature[i], 1.0
         s.angle[i], s.sine[i], s.cosine[i] = p.toe[i], math.sin(p.toe[i]), math.cos(p.toe[i])
     for _ in range(PRE_ROLL_SAMPLES * SUBSTEPS):
-        s.speed, s.yaw_rate = at(start, 0, 0), at(start, 0, 1)
+        s.speed, s.yaw_rate = speed, at(start, 0, 1)
         move_car(p, s, step)
-    s.speed, s.yaw_rate = at(start, 0, 0), at(start, 0, 1)
+    s.speed, s.yaw_rate = speed, at(start, 0, 1)
     s.distance = s.stop_energy = 0.0
     for _ in range(PAST_STEPS):
         keep_spins(s)
@@ -265,7 +277,7 @@ def run_through(
     inputs : (n, INPUTS), or (n, INPUTS_WITH_TERMS)
     between : (n SUBSTEPS, 4) pressures beside the straight line in the middle of the steps before each sample [Pa]
     measured, valid : (n, 6) signals of ``CORRECTED`` and 1 where they hold
-    start : (1, 2) speed and yaw rate at the first sample
+    start : (1, 6) speed, yaw rate and spins of the wheels at the first sample (``inputs.start_of``)
     gains : (5,) of the observer, the last the dead band of the wheel speeds [rad/s]; zeros for a free run
     least : (n, 6) least gains of the observer: where it begins anew behind a gap of the inputs
     horizon : samples after which a free run restarts at the measured speeds; 0 never

@@ -9,6 +9,7 @@ from plant_log import drive, gentle_stop
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay import Replay
 from signals.errors import InputError
+from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import Scatter, VehicleFile
 
 GENTLE, PULSED, SINE, TURN, COAST = range(5)
@@ -80,6 +81,20 @@ def test_loads_add_up_to_the_weight(replay: Replay, car: VehicleFile) -> None:
     total = sum(states[f"vertical_load_{wheel}"] for wheel in ("fl", "fr", "rl", "rr"))
     # heave moves the sum by a few newtons in transients, never on average
     assert np.mean(total) == pytest.approx(car.body.mass * 9.81, rel=1e-4)
+
+
+def test_without_a_measured_speed_a_car_with_other_radii_begins_at_its_own(replay: Replay, car: VehicleFile) -> None:
+    """Wheels 1 % larger turn 1 % slower: begun at the file's radii, the first second would deny what is true."""
+    log = replay.manoeuvres[GENTLE]
+    channels = {name: values for name, values in log.channels.items() if name != "speed"}
+    for wheel in WHEELS:
+        channels[f"wheel_speed_{wheel}"] = channels[f"wheel_speed_{wheel}"] / 1.01
+    model = Replay(car, [replace(log, channels=channels)])
+    theta = _neutral(model)
+    theta[[model.columns.index(f"wheel_radius_change.{wheel}") for wheel in WHEELS]] = 0.01
+    k = model.signals(0).index("wheel_speed_rr")
+    assert abs(model.residuals(theta)[0][:100, k]).max() < 0.03
+    assert abs(model.residuals(_neutral(model))[0][:100, k]).max() < 0.03  # the whole car 1 % slower says the same
 
 
 def test_locked_wheels_stop_the_car_by_sliding_friction(car: VehicleFile) -> None:
