@@ -26,8 +26,9 @@ from model_diagnosis.evidence.excitation import Excitation, excitation, excited_
 from model_diagnosis.evidence.hypotheses import by_effect, hypotheses_of
 from model_diagnosis.evidence.lookalikes import look_alikes
 from model_diagnosis.evidence.priors import Priors
-from model_diagnosis.evidence.search import Search, linear_evidence, ratios
+from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Accepted, Selection, Selector
+from model_diagnosis.evidence.stage import linear_evidence, ratios
 from model_diagnosis.evidence.structure import are_forced_together
 from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
 from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, are_of_the_car, compare

@@ -10,8 +10,8 @@ from model_diagnosis.evidence.bounded import lowest_within
 from model_diagnosis.evidence.fitting import Linearisation, Problem
 from model_diagnosis.evidence.priors import Priors, with_commons
 from model_diagnosis.evidence.quadratic import Quadratic, total
-from model_diagnosis.evidence.search import ratios
 from model_diagnosis.evidence.selection import Selection
+from model_diagnosis.evidence.stage import ratios
 from model_diagnosis.gain import HeldOut, held_out_residuals, measure_gain
 from model_diagnosis.replay import ReplayBase
 from model_diagnosis.result import Gain

@@ -10,8 +10,9 @@ from model_diagnosis.evidence.manoeuvre_library import PlannedManoeuvre
 from model_diagnosis.evidence.plan import Pair, plan
 from model_diagnosis.evidence.quadratic import total
 from model_diagnosis.evidence.replay_model import ReplayModel
-from model_diagnosis.evidence.search import Search, ratios
+from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Selection
+from model_diagnosis.evidence.stage import ratios
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay import Replay
 from model_diagnosis.result import NextManoeuvre

@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from model_diagnosis.data.checks import check_data
 from model_diagnosis.evidence.base import fit_base
 from model_diagnosis.evidence.priors import Priors
-from model_diagnosis.evidence.search import ratios
+from model_diagnosis.evidence.stage import ratios
 from model_diagnosis.extension.car_change import change_of, is_of_the_car
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay import ReplayBase

@@ -72,6 +72,7 @@ def _parameter(effect: Mapping[str, Any], parameters: Mapping[str, Mapping[str, 
         name = next(iter(parameters))
         place = str(effect["place"])
         return parameters[name] if place in ("", name) or name not in _PLACES else None
+    parameters = {name.partition("_in_manoeuvre_")[0]: found for name, found in parameters.items()}
     for name in (str(effect["place"]), _BY_EFFECT.get(str(effect["name"]), "")):
         if name in parameters:
             return parameters[name]

@@ -25,8 +25,9 @@ from model_diagnosis.evidence.groups import canonical_correlation
 from model_diagnosis.evidence.hypotheses import Hypothesis
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.quadratic import Quadratic
-from model_diagnosis.evidence.search import Search, ratios
+from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Selection, Selector
+from model_diagnosis.evidence.stage import ratios
 from model_diagnosis.extension.extended_vehicle import FoundTerm
 from model_diagnosis.replay.base import ReplayBase
 from model_diagnosis.replay.replay import Replay

@@ -5,7 +5,14 @@ from dataclasses import dataclass, replace
 
 from model_diagnosis.effects.effect import EffectParameter
 
-CONDITIONS = ("road_grade.grade", "road_bank.bank", "head_wind.speed", "side_wind.speed")
+CONDITIONS = (
+    "road_grade.grade",
+    "road_bank.bank",
+    "head_wind.speed",
+    "side_wind.speed",
+    "mu_step.level",
+    "mu_step.place",
+)
 """Columns of the catalogue that a manoeuvre may have for itself."""
 
 MOST_MANOEUVRES = 12

@@ -56,7 +56,8 @@ class EffectParameter:
     relative : True where physical value = nominal · (1 + deviation), False where it is nominal + deviation
     never_negative : True where the physical value cannot fall below 0: an addition is bounded by the vehicle's value
     form_std : how far the replay's form may be off in the direction of this number, on top of what an ordinary car is
-    trial_step : distance between values to try, in the deviation's unit, where it acts in pulses; 0 where it does not
+    trial_step : distance between values to try, in the deviation's unit, where it acts in pulses or is a place; else 0
+    places : name of the effect's other deviation that begins at this one, a place; "" for all others
     common_path : path, a pattern, of the numbers that this one moves together and whose scatter it shares in
     """
 
@@ -71,6 +72,7 @@ class EffectParameter:
     never_negative: bool = False
     form_std: float = 0.0
     trial_step: float = 0.0
+    places: str = ""
     common_path: str = ""
 
     @property

@@ -39,7 +39,7 @@ ROAD_EFFECTS: tuple[Effect, ...] = (
         equation="mu <- mu (1 + d) behind the place 30 m + x0",
         parameters=(
             _absolute("level", "1", -0.85, 1.0, 0.0, 0.25),
-            _absolute("place", "m", -30.0, 170.0, 0.0, 30.0),
+            EffectParameter("place", "m", -30.0, 170.0, 0.0, 30.0, relative=False, trial_step=10.0, places="level"),
         ),
         signals=("longitudinal_acceleration", *_WHEEL_SPEEDS),
         confounded_with=("tyre_friction", "brake_pad_friction"),

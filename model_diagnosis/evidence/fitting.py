@@ -157,6 +157,10 @@ class Problem:
         """Log likelihood of all manoeuvres around theta."""
         return total(self.quadratics(linearisation, rows, theta))
 
+    def quadratic_at(self, linearisation: Linearisation, theta: FloatArray) -> Quadratic:
+        """The same with the residuals of theta; one replay."""
+        return self.quadratic(linearisation, self.rows(theta), theta)
+
     def fit(
         self,
         linearisation: Linearisation,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.effects.conditions import only_in
+from model_diagnosis.effects.conditions import everywhere, only_in
 from model_diagnosis.effects.form import FORM_NAMES
 from model_diagnosis.evidence.replay_model import ReplayModel
 from signals.wheels import WHEELS
@@ -41,21 +41,41 @@ def hypotheses_of(replay: ReplayModel, available: Sequence[bool] | None = None) 
             continue
         columns = [int(column) for column in np.flatnonzero(replay.owner == index)]
         if available is not None:
-            columns = [column for column in columns if available[column]]
+            columns = [column for column in columns if available[_shown_by(column, replay)]]
         if not columns:
             continue
         if replay.effects[index].discrete:
             found += _discrete(index, columns, replay)
             continue
-        single = [column for column in columns if only_in(replay.columns[column]) is not None]
-        columns = [column for column in columns if column not in single]
-        choices = [tuple(columns), *_wheels(columns, replay), *((column,) for column in columns)] if columns else []
+        single = _of_one_manoeuvre(columns, replay)
+        columns = [column for column in columns if only_in(replay.columns[column]) is None]
+        alone = [column for column in columns if not replay.parameters[column].places]
+        choices = [tuple(columns), *_wheels(columns, replay), *((column,) for column in alone)] if columns else []
         choices = list(dict.fromkeys(choices))
         # that it holds in one of the manoeuvres only is one more choice
         share = 1.0 / (len(choices) + bool(single))
         found += [Hypothesis(index, choice, share) for choice in choices]
-        found += [Hypothesis(index, (column,), share / len(single)) for column in single]
+        found += [Hypothesis(index, choice, share / len(single)) for choice in single]
     return found
+
+
+def _shown_by(column: int, replay: ReplayModel) -> int:
+    """The column itself; of a place that of what begins there: without it no place shows."""
+    name, placed = replay.columns[column], replay.parameters[column].places
+    if not placed:
+        return column
+    own = everywhere(replay.parameters[column].name)
+    return replay.columns.index(name.replace(f".{own}", f".{placed}", 1))
+
+
+def _of_one_manoeuvre(columns: Sequence[int], replay: ReplayModel) -> list[tuple[int, ...]]:
+    """Columns that hold in one manoeuvre only, those of each together."""
+    found: dict[int, list[int]] = {}
+    for column in columns:
+        manoeuvre = only_in(replay.columns[column])
+        if manoeuvre is not None:
+            found.setdefault(manoeuvre, []).append(column)
+    return [tuple(members) for members in found.values()]
 
 
 def _wheels(columns: Sequence[int], replay: ReplayModel) -> list[tuple[int, ...]]:

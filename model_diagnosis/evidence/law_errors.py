@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from model_diagnosis.evidence.fitting import Linearisation, Problem
 from model_diagnosis.evidence.hypotheses import Hypothesis
 from model_diagnosis.evidence.quadratic import Quadratic, widening
-from model_diagnosis.evidence.search import ratios
+from model_diagnosis.evidence.stage import ratios
 from model_diagnosis.evidence.whitening import huber_weights
 
 FloatArray = NDArray[np.float64]

@@ -14,8 +14,9 @@ from model_diagnosis.evidence.fitting import Fit
 from model_diagnosis.evidence.groups import SEPARATION_NEEDED, canonical_correlation, separation
 from model_diagnosis.evidence.hypotheses import Hypothesis, by_effect
 from model_diagnosis.evidence.quadratic import Quadratic, total
-from model_diagnosis.evidence.search import Search, linear_evidence, ratios
+from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Accepted, Selection
+from model_diagnosis.evidence.stage import linear_evidence, ratios
 from model_diagnosis.evidence.threshold import probabilities
 
 FloatArray = NDArray[np.float64]

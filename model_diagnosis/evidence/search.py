@@ -1,26 +1,31 @@
-"""Candidates, their refits and the forward selection with dropping and swapping.
+"""Refits of the candidates and what is left of "nothing more" beside them.
 
 Source: model discrepancy anchor, sections 3.5, 3.6 and 4.3.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.evidence.bounded import lowest_within, ways_left
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.hypotheses import Hypothesis
-from model_diagnosis.evidence.quadratic import Quadratic, effect_evidence, total, widening
-from model_diagnosis.evidence.trial_values import trial_values
+from model_diagnosis.evidence.quadratic import Quadratic, total, widening
+from model_diagnosis.evidence.stage import (
+    Candidate,
+    Refit,
+    Stage,
+    fixed_columns,
+    linear_evidence,
+    present_columns,
+    ratios,
+    with_values,
+)
+from model_diagnosis.evidence.starting_points import StartingPoints
 
 FloatArray = NDArray[np.float64]
 
-FROM_BASE, FROM_SATURATED, FROM_GRID = 3, 2, 3
 CORRELATED_NUISANCES = 12
-EQUAL_DIGITS = 3
-"""Decimals to which log evidences are compared."""
 
 FAR_BEHIND = 30.0
 """Cost by which a fit with the sensitivities at hand may lie above the best one's and still be fitted with new ones:
@@ -29,91 +34,9 @@ those gain some units, and a cause that is 15 less likely in the logarithm comes
 RESTART_GAIN = 4.0
 """Cost that a restart of "nothing more" has to gain for everything to be fitted once more from there."""
 
-EFFECTS_ON_GRID_FIRST, EFFECTS_ON_GRID = 20, 8
-"""Effects, by linear evidence, whose grid is replayed in the first step and in later ones."""
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A hypothesis worth a refit and the points to start it from."""
-
-    hypothesis: Hypothesis
-    starts: tuple[FloatArray, ...]
-
-
-@dataclass(frozen=True)
-class Refit:
-    """A refitted hypothesis, its evidence against the answer without it, and each manoeuvre's quadratic at its fit."""
-
-    hypothesis: Hypothesis
-    fit: Fit
-    evidence: float
-    parts: list[Quadratic]
-
-
-@dataclass
-class Stage:
-    """One step of the forward selection: what is accepted already, its fit, and what all others would add.
-
-    Attributes
-    ----------
-    accepted : hypotheses taken as present
-    nothing_more : fit with these alone
-    linearisation : sensitivities at that fit
-    linear : (h,) evidence of every hypothesis from the sensitivities alone
-    refits : by hypothesis
-    """
-
-    accepted: tuple[Hypothesis, ...]
-    nothing_more: Fit
-    linearisation: Linearisation
-    linear: FloatArray
-    refits: list[Refit] = field(default_factory=list)
-
-    @property
-    def best(self) -> Refit | None:
-        """Refit with the largest evidence."""
-        return max(self.refits, key=lambda refit: refit.evidence, default=None)
-
-
-def present_columns(accepted: Sequence[Hypothesis]) -> tuple[int, ...]:
-    """Columns of all accepted hypotheses."""
-    return tuple(sorted({column for hypothesis in accepted for column in hypothesis.columns}))
-
-
-def fixed_columns(accepted: Sequence[Hypothesis]) -> tuple[int, ...]:
-    """Columns whose value a discrete hypothesis states."""
-    return tuple(column for hypothesis in accepted if hypothesis.value is not None for column in hypothesis.columns)
-
-
-def _with_values(theta: FloatArray, accepted: Sequence[Hypothesis]) -> FloatArray:
-    """Theta with the values that discrete hypotheses state."""
-    changed = theta.copy()
-    for hypothesis in accepted:
-        if hypothesis.value is not None:
-            changed[list(hypothesis.columns)] = hypothesis.value
-    return changed
-
 
 def _cost(fit: Fit) -> float:
     return fit.cost
-
-
-def ratios(problem: Problem, accepted: Sequence[Hypothesis]) -> FloatArray:
-    """Prior widths (p,) over effect widths with the accepted hypotheses present."""
-    return problem.priors.widths(present_columns(accepted)) / problem.scale
-
-
-def linear_evidence(
-    problem: Problem,
-    quadratic: Quadratic,
-    hypotheses: Sequence[Hypothesis],
-    accepted: Sequence[Hypothesis] = (),
-) -> FloatArray:
-    """Evidence (h,) of each hypothesis beside the accepted ones, from one linearisation."""
-    return effect_evidence(
-        quadratic, ratios(problem, accepted), np.ones(len(problem.scale)), [one.columns for one in hypotheses]
-    )
 
 
 class Search:
@@ -125,39 +48,17 @@ class Search:
     def __init__(self, problem: Problem, hypotheses: Sequence[Hypothesis], worth_a_refit: float = -np.inf) -> None:
         self.problem = problem
         self.hypotheses = list(hypotheses)
-        self.worth_a_refit = worth_a_refit
-        self._to_try: dict[int, list[float]] = {}
+        self.starts = StartingPoints(problem, hypotheses, worth_a_refit)
 
     def stage(self, accepted: Sequence[Hypothesis], nothing_more: Fit, linearisation: Linearisation) -> Stage:
         """Linear evidence of everything beside ``accepted`` at its fit."""
-        quadratic = self._quadratic(linearisation, nothing_more.theta)
+        quadratic = self.problem.quadratic_at(linearisation, nothing_more.theta)
         return Stage(
             tuple(accepted),
             nothing_more,
             linearisation,
             linear_evidence(self.problem, quadratic, self.hypotheses, accepted),
         )
-
-    def candidates(self, stage: Stage, saturated: Linearisation | None = None) -> list[Candidate]:
-        """Best of the sensitivities at the base and at the saturated fit, and of a coarse grid over every column."""
-        starts: dict[int, list[FloatArray]] = {}
-        open_ones = [number for number in range(len(self.hypotheses)) if self._is_open(stage, number)]
-        base = self._quadratic(stage.linearisation, stage.nothing_more.theta)
-        for number in self._worth(stage.linear, self._top(stage.linear, open_ones, FROM_BASE)):
-            starts.setdefault(number, []).append(self._linear_start(base, stage, number))
-        if saturated is not None:
-            quadratic = self._quadratic(saturated, saturated.theta)
-            linear = linear_evidence(self.problem, quadratic, self.hypotheses, stage.accepted)
-            for number in self._worth(linear, self._top(linear, open_ones, FROM_SATURATED)):
-                starts.setdefault(number, []).append(self._linear_start(quadratic, stage, number))
-        linear = stage.linear if saturated is None else np.maximum(stage.linear, linear)
-        count = EFFECTS_ON_GRID if stage.accepted else EFFECTS_ON_GRID_FIRST
-        on_grid = {self.hypotheses[number].effect for number in self._top(linear, open_ones, count)}
-        tried = [self.hypotheses[n].effect in on_grid or self._acts_in_pulses(self.hypotheses[n]) for n in open_ones]
-        near = [number for number, one in zip(open_ones, tried, strict=True) if one]
-        for number, start in self._grid(stage, near):
-            starts.setdefault(number, []).append(start)
-        return [Candidate(self.hypotheses[number], tuple(points)) for number, points in starts.items()]
 
     def refit(self, stage: Stage, candidates: Sequence[Candidate]) -> Stage:
         """Refit the candidates, restart "nothing more" from the best one's solution, and score all against it.
@@ -171,10 +72,10 @@ class Search:
         if not fits:
             return stage
         if self._restart(stage, fits):
-            quadratic = self._quadratic(stage.linearisation, stage.nothing_more.theta)
+            quadratic = self.problem.quadratic_at(stage.linearisation, stage.nothing_more.theta)
             stage.linear = linear_evidence(self.problem, quadratic, self.hypotheses, stage.accepted)
             for hypothesis, known in fits.items():
-                start = self._linear_start(quadratic, stage, self.hypotheses.index(hypothesis))
+                start = self.starts.linear_start(quadratic, stage, self.hypotheses.index(hypothesis))
                 ahead = min(known[0].cost for known in fits.values())
                 again = self._refit_one(stage, Candidate(hypothesis, (start, known[0].theta)), ahead)
                 fits[hypothesis] = min(known, again, key=lambda one: one[0].cost)
@@ -226,7 +127,7 @@ class Search:
         """Fit with these hypotheses present, from ``start``."""
         widths = self.problem.priors.widths(present_columns(chosen))
         return self.problem.fit(
-            linearisation, widths, _with_values(start, chosen), fixed_columns(chosen), is_rough=is_rough
+            linearisation, widths, with_values(start, chosen), fixed_columns(chosen), is_rough=is_rough
         )
 
     def _refit_one(
@@ -305,82 +206,6 @@ class Search:
         columns = list(hypothesis.columns)
         added = np.maximum(1.0 - nuisance[columns] ** 2, 0.0)
         return widening(np.zeros(len(columns)), information[np.ix_(columns, columns)], added)
-
-    def _quadratic(self, linearisation: Linearisation, theta: FloatArray) -> Quadratic:
-        return self.problem.quadratic(linearisation, self.problem.rows(theta), theta)
-
-    def _is_open(self, stage: Stage, number: int) -> bool:
-        taken = {hypothesis.effect for hypothesis in stage.accepted}
-        return self.hypotheses[number].effect not in taken
-
-    def _top(self, evidence: FloatArray, open_ones: Sequence[int], count: int) -> list[int]:
-        """Best hypotheses of the ``count`` best effects; of a discrete effect every value."""
-        best: dict[int, list[int]] = {}
-        open_ones = [number for number in open_ones if np.isfinite(evidence[number])]
-        # of equals the one with fewer deviations: a column that the data does not show adds nothing but its name
-        fewest = [len(self.hypotheses[number].columns) for number in range(len(evidence))]
-        for number in sorted(open_ones, key=lambda one: (-round(float(evidence[one]), EQUAL_DIGITS), fewest[one])):
-            known = best.setdefault(self.hypotheses[number].effect, [])
-            if not known or self.hypotheses[number].value is not None:
-                known.append(number)
-        return [number for known in list(best.values())[:count] for number in known]
-
-    def _linear_start(self, quadratic: Quadratic, stage: Stage, number: int) -> FloatArray:
-        """Lowest point of the parabola within the bounds; beyond them lies what no car is."""
-        precision = ratios(self.problem, (*stage.accepted, self.hypotheses[number])) ** -2.0
-        low, high = self._bounds(self.problem.priors.centre)
-        mean = lowest_within(quadratic.information + np.diag(precision), quadratic.score, low, high)
-        now = self.problem.scaled(stage.nothing_more.theta)
-        gradient = quadratic.score - quadratic.information @ now - precision * now
-        return stage.nothing_more.theta + self.problem.scale * self.problem.without_settled(gradient, mean - now)
-
-    def _bounds(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Ways (p,) that are left to the bounds, in units of the effect widths."""
-        return ways_left(theta, self.problem.priors.low, self.problem.priors.high, self.problem.scale)
-
-    def _grid(self, stage: Stage, open_ones: Sequence[int]) -> list[tuple[int, FloatArray]]:
-        """Best grid points of the best effects: one replay per point, the other columns moved by their chords."""
-        singles = [number for number in open_ones if len(self.hypotheses[number].columns) == 1]
-        found: dict[int, tuple[float, FloatArray]] = {}
-        for number in singles:
-            column = self.hypotheses[number].columns[0]
-            widths = self.problem.priors.widths(present_columns((*stage.accepted, self.hypotheses[number])))
-            if column not in self._to_try:  # where pulses lie is the log's, whatever else is found
-                self._to_try[column] = trial_values(self.problem, stage.nothing_more.theta, column, widths)
-            for value in self._to_try[column]:
-                theta = stage.nothing_more.theta.copy()
-                theta[column] = value
-                cost, start = self._grid_point(stage, theta, widths, column)
-                if cost < found.get(number, (np.inf,))[0]:
-                    found[number] = (cost, start)
-        expected = np.full(len(self.hypotheses), -np.inf)
-        for number, (cost, _) in found.items():
-            expected[number] = -0.5 * (cost - stage.nothing_more.cost)
-        chosen = self._worth(expected, self._top(expected, singles, FROM_GRID))
-        return [(number, found[number][1]) for number in chosen]
-
-    def _acts_in_pulses(self, hypothesis: Hypothesis) -> bool:
-        """True where sensitivities at one value say nothing of a value some way off."""
-        return any(self.problem.replay.parameters[column].trial_step > 0.0 for column in hypothesis.columns)
-
-    def _worth(self, evidence: FloatArray, numbers: Sequence[int]) -> list[int]:
-        """Those worth a refit; the first always."""
-        return [number for k, number in enumerate(numbers) if k == 0 or evidence[number] > self.worth_a_refit]
-
-    def _grid_point(self, stage: Stage, theta: FloatArray, widths: FloatArray, column: int) -> tuple[float, FloatArray]:
-        """Cost expected after one step of all columns from a grid point, and the point it leads to."""
-        rows = self.problem.rows(theta)
-        quadratic = self.problem.quadratic(stage.linearisation, rows, theta)
-        precision = (widths / self.problem.scale) ** -2.0
-        scaled = self.problem.scaled(theta)
-        gradient = quadratic.score - quadratic.information @ scaled - precision * scaled
-        low, high = self._bounds(theta)
-        low[column] = high[column] = 0.0
-        curvature = quadratic.information + np.diag(precision)
-        step = lowest_within(curvature, gradient, low, high)
-        step = self.problem.without_settled(gradient, step)
-        gained = float(2.0 * gradient @ step - step @ curvature @ step)
-        return self.problem.cost(rows, theta, widths) - gained, theta + step * self.problem.scale
 
     def related(
         self, linearisation: Linearisation, hypothesis: Hypothesis, accepted: Sequence[Hypothesis]

@@ -16,7 +16,8 @@ from model_diagnosis.evidence.form_heat import OwnDirection, own_direction
 from model_diagnosis.evidence.hypotheses import Hypothesis
 from model_diagnosis.evidence.law_errors import LAW_SHARE, evidence_beside_laws
 from model_diagnosis.evidence.quadratic import Quadratic, total
-from model_diagnosis.evidence.search import Candidate, Refit, Search, Stage, linear_evidence, ratios
+from model_diagnosis.evidence.search import Search
+from model_diagnosis.evidence.stage import Candidate, Refit, Stage, linear_evidence, ratios
 
 FloatArray = NDArray[np.float64]
 
@@ -115,7 +116,7 @@ class Selector:
         for step in range(most + 1):
             self.tell(f"effect {step + 1}", step / (most + 1))
             stage = self.search.stage(chosen, fit, linearisation)
-            stage = self.search.refit(stage, self.search.candidates(stage, saturated if step == 0 else None))
+            stage = self.search.refit(stage, self.search.starts.candidates(stage, saturated if step == 0 else None))
             stages.append(stage)
             found = self._acceptable(stage, needed)
             if step == 0:

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.effects.conditions import everywhere
 from model_diagnosis.effects.effect import Application, Effect
 from model_diagnosis.effects.form import REPLAYED
 from model_diagnosis.effects.sensor_chain import measured_signals, true_inputs
@@ -298,6 +299,6 @@ class Replay(ReplayBase):
         """Step of a column's finite difference, towards the inside of its bounds."""
         parameter, name = self.parameters[column], self.columns[column]
         by_steps = not self.pressures.unit.flows and any(one.replays_pressures for one in self.prepared)
-        jumps = name in _ACT_BY_JUMPS or (by_steps and acts_on_pressures(name))
+        jumps = everywhere(name) in _ACT_BY_JUMPS or (by_steps and acts_on_pressures(name))
         step = (_COARSE_STEP_SHARE if jumps else STEP_SHARE) * parameter.effect_std
         return step if theta[column] + step <= parameter.high else -step

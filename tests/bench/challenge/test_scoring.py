@@ -218,6 +218,7 @@ def test_calibration_error_of_hand_made_statements() -> None:
         ("tyre_friction", "", {"front": (0.8, 1.0), "rear": (0.7, 1.0)}, 0.8),
         ("mass_change", "", {"factor": (1500.0, 1296.0)}, 1.15741),
         ("wheel_brake_weak", "fl", {"rr": (0.8, 1.0)}, None),
+        ("mu_step", "", {"level_in_manoeuvre_2": (-0.2, 0.0), "place_in_manoeuvre_2": (15.0, 0.0)}, 0.8),
     ],
 )
 def test_the_parameter_that_was_changed_is_the_one_that_is_scored(

@@ -11,8 +11,9 @@ from model_diagnosis.evidence.form_heat import BLOCK_SAMPLES, OwnDirection, own_
 from model_diagnosis.evidence.hypotheses import hypotheses_of
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.quadratic import Quadratic
-from model_diagnosis.evidence.search import Search, ratios
+from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Selector
+from model_diagnosis.evidence.stage import ratios
 from model_diagnosis.evidence.whitening import sensor_whitener
 
 COLUMNS = (2,)

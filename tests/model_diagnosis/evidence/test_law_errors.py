@@ -10,8 +10,9 @@ from model_diagnosis.evidence.base import Base, fit_base
 from model_diagnosis.evidence.hypotheses import Hypothesis, hypotheses_of
 from model_diagnosis.evidence.law_errors import LAW_SHARE, evidence_beside_laws
 from model_diagnosis.evidence.priors import Priors
-from model_diagnosis.evidence.search import Search, ratios
+from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Selector
+from model_diagnosis.evidence.stage import ratios
 from model_diagnosis.evidence.whitening import huber_weights
 
 EFFECTS = [*(effect(f"e{number}") for number in range(5)), effect("tight", nuisance=0.004)]

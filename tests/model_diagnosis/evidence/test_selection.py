@@ -16,8 +16,9 @@ from model_diagnosis.evidence.fitting import Fit
 from model_diagnosis.evidence.hypotheses import hypotheses_of
 from model_diagnosis.evidence.lookalikes import look_alikes
 from model_diagnosis.evidence.priors import Priors
-from model_diagnosis.evidence.search import Search, ratios
+from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Selection, Selector
+from model_diagnosis.evidence.stage import ratios
 from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
 from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, are_of_the_car, compare
 
