@@ -34,24 +34,28 @@ FAMILIES = (*SHARES, "detection")
 
 @dataclass(frozen=True)
 class LookAlike:
-    """A pair that some data cannot separate: true effect, its twin, and the channels or manoeuvres left out for it."""
+    """A pair that some data cannot separate: true effect, its twin, and the channels or manoeuvres left out for it.
+
+    ``smallest`` is the size in scatters from which these data show the effect; 0 where it is that of the shipped set.
+    """
 
     effect: str
     twin: str
     missing: tuple[str, ...] = ()
     manoeuvres: tuple[str, ...] = ()
+    smallest: float = 0.0
 
 
 _NO_MASTER = ("master_pressure", "pedal_force")
-_BRAKING = ("gentle_stops",)
+_COAST = ("coast",)
 
 CONFOUNDED: tuple[LookAlike, ...] = (
     LookAlike("brake_pad_friction", "pressure_sensor_scale", _NO_MASTER),
     LookAlike("pressure_sensor_scale", "brake_pad_friction", _NO_MASTER),
     LookAlike("brake_threshold", "pressure_sensor_offset", _NO_MASTER),
     LookAlike("pressure_sensor_offset", "brake_threshold", _NO_MASTER),
-    LookAlike("mass_change", "brake_pad_friction", _NO_MASTER, _BRAKING),
-    LookAlike("brake_pad_friction", "mass_change", _NO_MASTER, _BRAKING),
+    LookAlike("aero_drag", "head_wind", (), _COAST, smallest=9.0),
+    LookAlike("head_wind", "aero_drag", (), _COAST, smallest=15.0),
 )
 
 _OPTIONAL = (
@@ -203,7 +207,8 @@ def _data_fault(random: np.random.Generator) -> Draw:
 
 def _confounded(random: np.random.Generator) -> Draw:
     pair = CONFOUNDED[int(random.integers(len(CONFOUNDED)))]
-    hidden = _usual(named(pair.effect), random)
+    effect = named(pair.effect)
+    hidden = draw_hidden(effect, random, max(pair.smallest, effect.smallest), effect.largest)
     if pair.effect == "pressure_sensor_offset":  # a threshold cannot be negative
         hidden = Hidden(hidden.effect, abs(hidden.deviation), hidden.place)
     return Draw("confounded", (hidden,), manoeuvres=pair.manoeuvres, missing=pair.missing, expected={"twin": pair.twin})
