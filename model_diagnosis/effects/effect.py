@@ -58,6 +58,7 @@ class EffectParameter:
     form_std : how far the replay's form may be off in the direction of this number, on top of what an ordinary car is
     trial_step : distance between values to try, in the deviation's unit, where it acts in pulses or is a place; else 0
     places : name of the effect's other deviation that begins at this one, a place; "" for all others
+    least_named : size below which it is no cause however surely it is seen: any road or car has it
     common_path : path, a pattern, of the numbers that this one moves together and whose scatter it shares in
     """
 
@@ -73,6 +74,7 @@ class EffectParameter:
     form_std: float = 0.0
     trial_step: float = 0.0
     places: str = ""
+    least_named: float = 0.0
     common_path: str = ""
 
     @property

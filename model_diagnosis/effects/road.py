@@ -38,13 +38,13 @@ ROAD_EFFECTS: tuple[Effect, ...] = (
         name="mu_step",
         equation="mu <- mu (1 + d) behind the place 30 m + x0",
         parameters=(
-            _absolute("level", "1", -0.85, 1.0, 0.0, 0.25),
+            EffectParameter("level", "1", -0.85, 1.0, 0.0, 0.25, relative=False, least_named=0.05),
             EffectParameter("place", "m", -30.0, 170.0, 0.0, 30.0, relative=False, trial_step=10.0, places="level"),
         ),
         signals=("longitudinal_acceleration", *_WHEEL_SPEEDS),
         confounded_with=("tyre_friction", "brake_pad_friction"),
         separating_manoeuvre="the same stop on another spot",
-        remarks="the place counts from the first sample of each manoeuvre",
+        remarks="the place counts from the first sample of each manoeuvre; all roads vary by some per cent",
     ),
     _road(
         name="mu_split",

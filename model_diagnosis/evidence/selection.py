@@ -199,6 +199,8 @@ class Selector:
         """What speaks against accepting a refit, in words; "" for nothing."""
         if refit.evidence <= needed:
             return f"{refit.evidence:.1f} is left of {rough.evidence:.1f} once both fits have converged"
+        if small := self._smaller_than_named(refit):
+            return small
         if self._bic_change(refit.fit, stage.nothing_more, refit.hypothesis) >= 0.0:
             return "BIC_eff does not fall"
         if self.is_exact and (why := self._too_little_left(stage, refit, linearisation, needed)):
@@ -214,6 +216,15 @@ class Selector:
                 f"it does not predict the manoeuvres left out (sum {check.differences.sum():.1f}, worst "
                 f"{check.differences.min():.1f})"
             )
+        return ""
+
+    def _smaller_than_named(self, refit: Refit) -> str:
+        """What a deviation is too small for to be a cause, in words; "" where none is."""
+        for column in refit.hypothesis.columns:
+            parameter = self.problem.replay.parameters[column]
+            size = abs(float(refit.fit.theta[column] - self.problem.priors.centre[column]))
+            if size < parameter.least_named:
+                return f"{parameter.name} of {size:.3g}, and below {parameter.least_named:g} it is no cause"
         return ""
 
     def _too_little_left(self, stage: Stage, refit: Refit, linearisation: Linearisation, needed: float) -> str:
