@@ -24,6 +24,7 @@ TABLE = {info.path: info for info in parameter_table(load_vehicle("ekf_car"))}
 NO_FAULTS = {
     "hydraulics.active_build_up",
     "hydraulics.rearm_near_target",
+    "hydraulics.flow_through",
     "hydraulics.literal_event",
     "hydraulics.circuit_split",
     "sensors.wheel_speed.pitch_error",
