@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from model_diagnosis.effects.conditions import everywhere
 from signals.errors import BenchError
 
 _BY_EFFECT = {
@@ -72,7 +73,7 @@ def _parameter(effect: Mapping[str, Any], parameters: Mapping[str, Mapping[str, 
         name = next(iter(parameters))
         place = str(effect["place"])
         return parameters[name] if place in ("", name) or name not in _PLACES else None
-    parameters = {name.partition("_in_manoeuvre_")[0]: found for name, found in parameters.items()}
+    parameters = {everywhere(name): found for name, found in parameters.items()}
     for name in (str(effect["place"]), _BY_EFFECT.get(str(effect["name"]), "")):
         if name in parameters:
             return parameters[name]

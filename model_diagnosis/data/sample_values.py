@@ -70,6 +70,9 @@ def noise_of(values: FloatArray) -> float:
     return float(1.4826 * np.median(np.abs(np.diff(values, 3))) / np.sqrt(20.0))
 
 
+_TURNS, _OF_A_TURN = (2.0 * np.pi, 360.0), 1e-3
+"""A full turn in rad and degrees, and the share of it by which the measured wrap of an angle that turns may be off."""
+
 _RANGE_STD = 5.0
 """Standard deviations of the noise by which a measured wrap may be off: two samples' noise and the trend's, thrice."""
 
@@ -121,8 +124,11 @@ def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
 def _range_of_a_counter(measured: float, uncertainty: float) -> float:
     """The number nearest to a measured wrap that a counter is likely to end at, the measured one where there is none.
 
-    A power of two times a resolution in powers of ten, else the number with the fewest decimal digits.
+    A full turn, a power of two times a resolution in powers of ten, else the number with the fewest decimal digits.
     """
+    for turn in _TURNS:
+        if abs(measured - turn) <= max(uncertainty, _OF_A_TURN * turn):
+            return turn
     counters = np.ldexp(1.0, np.arange(1, 33))[:, None] * 10.0 ** np.arange(-9, 1)
     nearest = float(counters.flat[np.argmin(np.abs(counters - measured))])
     if abs(nearest - measured) <= uncertainty:

@@ -40,10 +40,7 @@ def _cost(fit: Fit) -> float:
 
 
 class Search:
-    """Search over the hypotheses of one prepared problem.
-
-    Candidates whose evidence by sensitivities or grid stays below ``worth_a_refit`` are not refitted, but for the best.
-    """
+    """Search over the hypotheses of one prepared problem; ``worth_a_refit`` as in ``StartingPoints``."""
 
     def __init__(self, problem: Problem, hypotheses: Sequence[Hypothesis], worth_a_refit: float = -np.inf) -> None:
         self.problem = problem

@@ -36,13 +36,6 @@ def look_ahead(s: Record, step: float) -> None:
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def _in_body_axes(s: Record, i: int) -> tuple[float, float]:
-    """A tyre's force along and across the body: its links feel this one, also where the wheel is steered."""
-    sine, cosine = s.sine[i], s.cosine[i]
-    return cosine * s.tyre_x[i] - sine * s.tyre_y[i], sine * s.tyre_x[i] + cosine * s.tyre_y[i]
-
-
-@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def load_wheels(p: Record, s: Record, step: float) -> None:
     """Loads of the four wheels in the middle of the step, and what springs, dampers and links do to the body."""
     speed, roll, pitch = s.mid_speed, s.mid_roll, s.mid_pitch
@@ -69,9 +62,10 @@ def load_wheels(p: Record, s: Record, step: float) -> None:
         if some(deep > 0.0):
             deep = max(deep, 0.0)
             change += (p.bump_rate[i] + p.bump_progression[i] * deep) * deep
-        force_x, force_y = _in_body_axes(s, i)
+        # links feel what acts along and across the body, also where the wheel is steered
+        force_x, force_y = s.ground_force_x[i], s.ground_force_y[i]
         # a rigid axle pushes up both sides alike
-        supported = force_x + 0.5 * (1.0 - p.support_apart) * (_in_body_axes(s, i ^ 1)[0] - force_x)
+        supported = force_x + 0.5 * (1.0 - p.support_apart) * (s.ground_force_x[i ^ 1] - force_x)
         change += where(supported < 0.0, p.guide_brake[i], p.guide_drive[i]) * supported
         # the wheel travels along the body's z axis, which leans with the body
         change += (p.guide_side[i] + p.guide_lean * roll) * force_y - p.guide_lean * pitch * force_x
@@ -153,7 +147,10 @@ def move_in_plane(p: Record, s: Record, step: float) -> None:
     s.air_x, s.air_y, moment = _air(p, s)
     s.ground_x = s.ground_y = 0.0
     for i in range(4):
-        at_x, at_y = _in_body_axes(s, i)
+        sine, cosine = s.sine[i], s.cosine[i]
+        at_x = cosine * s.tyre_x[i] - sine * s.tyre_y[i]
+        at_y = sine * s.tyre_x[i] + cosine * s.tyre_y[i]
+        s.ground_force_x[i], s.ground_force_y[i] = at_x, at_y
         s.ground_x += at_x
         s.ground_y += at_y
         moment += p.wheel_x[i] * at_y - p.wheel_y[i] * at_x + s.aligning[i]

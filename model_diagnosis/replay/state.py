@@ -76,6 +76,8 @@ _WHEELS = (
     "slip_y",
     "tyre_x",  # forces along and across the wheel
     "tyre_y",
+    "ground_force_x",  # the same along and across the body
+    "ground_force_y",
     "aligning",
     "load",
     "travel",

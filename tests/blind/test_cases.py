@@ -151,7 +151,7 @@ def test_theory_finds_what_scatter_alone_limits_and_what_no_manoeuvre_excites() 
 def test_what_is_meant_to_look_alike_does_so_by_theory(pair: LookAlike) -> None:
     """Beside the twin a tenth of the evidence is left at most, and data with a limit of their own show the effect.
 
-    Pads and mass in gentle stops, a pair of earlier versions, kept two thirds: the pitch tells them apart.
+    Pads and mass in gentle stops, where the pitch tells them apart, would keep two thirds.
     """
     # at the limit of adhesion a replay is not smooth, and equal effects look different
     point = nominal_point(pair.missing, tuple(one for one in SIX if one.name in (pair.manoeuvres or _BELOW_THE_LIMIT)))

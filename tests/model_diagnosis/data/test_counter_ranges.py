@@ -1,0 +1,31 @@
+"""A wrap is the range of what is counted, and not what noise leaves of one jump."""
+
+import numpy as np
+import pytest
+
+from model_diagnosis.data.sample_values import check_wrap
+from model_diagnosis.data.samples import Samples
+
+TIME = np.arange(2000) * 0.01
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "slope", "wrap", "noise"),
+    [
+        ("yaw_angle", "rad", 0.9, 2.0 * np.pi, 1e-4),
+        ("yaw_angle", "deg", 50.0, 360.0, 1e-2),
+        ("speed", "m/s", 1.2, 16.0, 0.02),
+        ("speed", "m/s", 0.9, 10.24, 0.005),
+        ("distance", "m", 20.0, 250.0, 0.05),
+    ],
+)
+def test_the_range_is_told_to_the_last_digit(name: str, unit: str, slope: float, wrap: float, noise: float) -> None:
+    """The course bends, so that its trend across a jump is a little off too."""
+    random = np.random.default_rng(4)
+    course = slope * TIME + 0.1 * slope * np.sin(TIME) + random.normal(0.0, noise, len(TIME))
+    channel = Samples(name, unit, TIME, np.mod(course, wrap), np.ones(len(TIME), dtype=bool), "column", "logger")
+    repaired, (fault,) = check_wrap(channel)
+    assert fault.kind == "counter_wrap"
+    assert fault.value == wrap
+    turns = (repaired.values - course) / wrap
+    assert turns == pytest.approx(np.round(turns[0]), abs=1e-9)
