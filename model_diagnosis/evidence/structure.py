@@ -37,6 +37,7 @@ _HYDRAULICS = (
     "inlet_valve_conductance outlet_valve_conductance inlet_valve_delay outlet_valve_delay caliper_air hydraulic_leak "
     "pump_rate low_pressure_accumulator_full circuit_failure"
 )
+_ACCELEROMETER = "accelerometer_offset accelerometer_scale accelerometer_levelled"
 _PRESSURE = "pressure_sensor_scale pressure_sensor_offset pressure_sensor_lag"
 
 SAME_TERM: tuple[frozenset[str], ...] = (
@@ -90,8 +91,8 @@ def car_equations() -> tuple[Equation, ...]:
 def sensors() -> Mapping[str, tuple[Equation, ...]]:
     """What each channel makes known."""
     single = {
-        "longitudinal_acceleration": _equation("ax", "along", "accelerometer_offset accelerometer_scale"),
-        "lateral_acceleration": _equation("ay", "across", "accelerometer_offset accelerometer_scale"),
+        "longitudinal_acceleration": _equation("ax", "along", _ACCELEROMETER),
+        "lateral_acceleration": _equation("ay", "across", _ACCELEROMETER),
         "yaw_rate": _equation("r", "yaw_rate", "gyro_offset gyro_scale"),
         "speed": _equation("v", "v"),
         "lateral_speed": _equation("vy", "vy"),

@@ -1,7 +1,7 @@
 """From an effect's deviations to a change of the car: parameters by dotted path, added terms, and what is no car's.
 
 Most parameters of the catalogue name their path in the vehicle file; the others have a law here. What belongs to the
-drive (road, wind, clock, CAN) or to the ECU is told as a condition and changes no car.
+drive (road, wind, clock, CAN), to how it was recorded or to the ECU is told as a condition and changes no car.
 """
 
 import math
@@ -20,6 +20,7 @@ from vehicle_model.vehicle_file import VehicleFile, set_parameter
 
 _OF_THE_DRIVE = frozenset({Group.ROAD, Group.CLOCK, Group.CAN})
 _WIND = frozenset({"head_wind", "side_wind"})
+_OF_THE_RECORDING = frozenset({"accelerometer_levelled"})
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class CarChange:
     ----------
     parameters : dotted path -> new value, SI units
     terms : added to the car's stack
-    conditions : what belongs to the drive or the ECU: column -> value with unit, for the reader
+    conditions : what belongs to the drive, its recording or the ECU: column -> value with unit, for the reader
     """
 
     parameters: Mapping[str, float] = field(default_factory=dict)
@@ -57,7 +58,7 @@ def is_of_the_car(effect: Effect) -> bool:
     """True where an effect is a property of the car, which another drive has too."""
     return not (
         effect.group in _OF_THE_DRIVE
-        or effect.name in _WIND
+        or effect.name in _WIND | _OF_THE_RECORDING
         or effect.application in (Application.CLOCK, Application.CONTROLLER)
     )
 

@@ -165,7 +165,10 @@ def move_in_plane(p: Record, s: Record, step: float) -> None:
     s.lateral_speed += step * s.lateral_rate
     s.yaw_rate += step * s.yaw_acceleration
     s.distance += 0.5 * step * (before + s.speed)
-    # the accelerometer stands at its place in the body and leans with it
-    felt_x = along - GRAVITY * s.mid_pitch - turn * turn * p.place_x - s.yaw_acceleration * p.place_y
-    felt_y = across + GRAVITY * s.mid_roll - turn * turn * p.place_y + s.yaw_acceleration * p.place_x
+    # the accelerometer stands at its place in the body and leans with it and the road; a levelled one reads no gravity
+    leaning, level = p.accelerometer_leaning, 1.0 - p.accelerometer_leaning
+    weight_x = GRAVITY * (leaning * s.mid_pitch + level * (p.grade + s.grade))
+    weight_y = GRAVITY * (leaning * s.mid_roll - level * (p.bank + s.bank))
+    felt_x = along - weight_x - turn * turn * p.place_x - s.yaw_acceleration * p.place_y
+    felt_y = across + weight_y - turn * turn * p.place_y + s.yaw_acceleration * p.place_x
     feel(s, felt_x, felt_y)

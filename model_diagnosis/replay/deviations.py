@@ -124,6 +124,7 @@ def _chassis_changes() -> dict[str, tuple[_Change, ...]]:
         "differential_locking.viscous": (_absolute("locking_viscous"),),
         "steering_compliance.stiffness": (_relative("steering_stiffness"),),
         "steering_offset.angle": (_absolute("steering_offset"),),
+        "accelerometer_levelled.share": (_absolute("accelerometer_leaning", factor=-1.0),),
     }
 
 

@@ -109,6 +109,13 @@ class _Balances:
         left: FloatArray = _smooth(given) - self.car["spin_inertia"][i] * turning
         return left
 
+    def _pushed_along(self) -> FloatArray:
+        """Acceleration (n,) by the forces along the car: what the accelerometer reads and the gravity in it."""
+        leaning = float(self.car["accelerometer_leaning"])
+        felt = leaning * self.states["pitch_angle"] + (1.0 - leaning) * float(self.car["grade"])
+        pushed: FloatArray = self.channels["longitudinal_acceleration"] + _GRAVITY * felt
+        return pushed
+
     def wheel(self, i: int) -> FloatArray | None:
         """Torque balance of a wheel."""
         name = f"wheel_speed_{WHEELS[i]}"
@@ -127,7 +134,7 @@ class _Balances:
         for i, wheel in enumerate(WHEELS):
             angle, side = self.states[f"road_wheel_angle_{wheel}"], self.states[f"lateral_force_{wheel}"]
             force += self._wheel_torque(i) / self.car["radius"][i] * np.cos(angle) - _smooth(side * np.sin(angle))
-        felt = self.channels["longitudinal_acceleration"] + _GRAVITY * self.states["pitch_angle"]
+        felt = self._pushed_along()
         error = self.car["mass"] * _smooth(felt) - force
         rolling = np.all([self.channels[name] > _LOCKED_RAD_S for name in wheels], axis=0)
         return np.where(rolling, self._masked(error, "longitudinal_acceleration", *wheels), np.nan)
@@ -162,7 +169,7 @@ class _Balances:
         if not self._has("speed", "longitudinal_acceleration"):
             return None
         turn = self.channels.get("yaw_rate", np.zeros(len(self.moving)))
-        felt = self.channels["longitudinal_acceleration"] + _GRAVITY * (self.states["pitch_angle"] - self.car["grade"])
+        felt = self._pushed_along() - _GRAVITY * self.car["grade"]
         error = _slope(self.channels["speed"]) - _smooth(felt + self.states["lateral_speed"] * turn)
         return self._masked(error, "speed", "longitudinal_acceleration")
 

@@ -233,7 +233,7 @@ def _infer(
     brake_share = pads / max(float(np.sum(pads)), 1e-12)
     if "longitudinal_acceleration" in channels:
         pitch = np.where(acceleration > 0.0, _pitch(car, drive_share, "drive"), _pitch(car, brake_share, "brake"))
-        acceleration = acceleration / (1.0 + GRAVITY * pitch)
+        acceleration = acceleration / (1.0 + car["accelerometer_leaning"] * GRAVITY * pitch)
     along = speed + car["wind_along"]
     force = car["mass"] * acceleration + car["drag"] * np.abs(along) * along
     torque = force * radius + acceleration * np.sum(car["spin_inertia"]) / radius + _losses(car, speed, radius)

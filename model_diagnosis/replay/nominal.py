@@ -190,6 +190,7 @@ def _write_sensors(entry: np.void, vehicle: VehicleFile) -> None:
     lag = 2.0 * inertial.damping_ratio / (2.0 * math.pi * inertial.cut_off_frequency)
     entry["accelerometer_lag"] = entry["gyro_lag"] = lag
     entry["accelerometer_damping"] = inertial.damping_ratio
+    entry["accelerometer_leaning"] = 1.0
     entry["wheel_speed_lag"] = 0.5 * vehicle.sensors.wheel_speed.window
     entry["roll_scrub"] = entry["pitch_scrub"] = entry["link_scrub"] = entry["guide_lean"] = 1.0
     entry["support_apart"] = 1.0

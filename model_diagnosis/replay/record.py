@@ -71,6 +71,7 @@ _NUMBERS = (
     "steering_damping",
     "ackermann",
     # sensors
+    "accelerometer_leaning",  # share of the body's lean, by which gravity shows, that the reported accelerations keep
     "accelerometer_lag",
     "accelerometer_damping",  # damping ratio of the sensor's second-order low-pass
     "gyro_lag",

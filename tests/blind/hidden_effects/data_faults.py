@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hidden_effects.car import WHEELS
-from hidden_effects.sensors import CHANNELS, delayed, first_order
+from hidden_effects.sensors import CHANNELS, LEVELLED, delayed, first_order
 
 FloatArray = NDArray[np.float64]
 Series = dict[str, FloatArray]
@@ -148,6 +148,14 @@ def _requested(series: Series, fault: Fault) -> Series:
     return series | dict.fromkeys(fault.channels, ahead)
 
 
+def _navigation(random: np.random.Generator) -> Fault:
+    return Fault("accelerometer_levelled", _INERTIAL[:2], 1.0, "1")
+
+
+def _without_gravity(series: Series, fault: Fault) -> Series:
+    return series | {name: series[levelled] for name, levelled in zip(fault.channels, LEVELLED, strict=True)}
+
+
 FAULTS: tuple[FaultKind, ...] = (
     FaultKind("channel_sign", _sign, after_sampling=_turned_round),
     FaultKind("channel_unit", _unit, after_sampling=_scaled),
@@ -162,7 +170,10 @@ FAULTS: tuple[FaultKind, ...] = (
     FaultKind("command_not_measurement", _command, before_sampling=_requested),
 )
 
-BY_NAME = {kind.name: kind for kind in FAULTS}
+NOT_DEALT = (FaultKind("accelerometer_levelled", _navigation, before_sampling=_without_gravity),)
+"""Hidden on request only: among those that are dealt it would make other cases of every seed."""
+
+BY_NAME = {kind.name: kind for kind in (*FAULTS, *NOT_DEALT)}
 
 
 def noiseless(fault: Fault | None) -> tuple[str, ...]:

@@ -65,6 +65,9 @@ CHANNELS: dict[str, Channel] = {
 }
 """Everything that the loggers of a healthy case write; ``speed`` comes from a second logger's optical sensor."""
 
+LEVELLED = ("levelled_acceleration_x", "levelled_acceleration_y")
+"""No logger writes these, unless in place of the accelerometers'."""
+
 MESSAGES = tuple(dict.fromkeys(channel.message for channel in CHANNELS.values()))
 SECOND_LOGGER = "REFERENCE"
 
@@ -87,6 +90,7 @@ def true_channels(
     channels = {name: columns[:, INDEX[name]] for name in ("speed", "yaw_rate", "roll_rate", "pitch_rate", "pump")}
     channels["longitudinal_acceleration"] = columns[:, INDEX["specific_force_x"]]
     channels["lateral_acceleration"] = columns[:, INDEX["specific_force_y"]]
+    channels |= _levelled(columns)
     channels["master_pressure"] = columns[:, INDEX["master_pressure"]]
     for wheel in WHEELS:
         channels[f"wheel_speed_{wheel}"] = columns[:, INDEX[f"wheel_speed_{wheel}"]]
@@ -100,6 +104,13 @@ def true_channels(
     return channels
 
 
+def _levelled(columns: FloatArray) -> dict[str, FloatArray]:
+    """Accelerations as a navigation system writes them: of the motion over ground alone, by names of their own."""
+    speed, across, turn = (columns[:, INDEX[name]] for name in ("speed", "lateral_speed", "yaw_rate"))
+    along_rate, across_rate = (np.gradient(value) * RATE_HZ for value in (speed, across))
+    return {LEVELLED[0]: along_rate - turn * across, LEVELLED[1]: across_rate + turn * speed}
+
+
 def through_chain(channels: dict[str, FloatArray], chain: Numbers) -> dict[str, FloatArray]:
     """The channels with the systematic errors of their sensors, still without noise, at 1 ms."""
     measured = dict(channels)
@@ -108,7 +119,8 @@ def through_chain(channels: dict[str, FloatArray], chain: Numbers) -> dict[str, 
     measured["longitudinal_acceleration"] = chain["ax_scale"] * (cosine * ax + sine * ay) + chain["ax_offset"]
     measured["lateral_acceleration"] = chain["ay_scale"] * (cosine * ay - sine * ax) + chain["ay_offset"]
     measured["yaw_rate"] = chain["gyro_scale"] * channels["yaw_rate"] + chain["gyro_offset"]
-    for name in ("longitudinal_acceleration", "lateral_acceleration", "yaw_rate", "roll_rate", "pitch_rate"):
+    inertial = ("longitudinal_acceleration", "lateral_acceleration", "yaw_rate", "roll_rate", "pitch_rate")
+    for name in (*inertial, *(name for name in LEVELLED if name in measured)):
         measured[name] = _second_order(measured[name])
     for i, wheel in enumerate(WHEELS):
         name = f"wheel_speed_{wheel}"

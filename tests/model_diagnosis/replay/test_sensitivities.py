@@ -19,6 +19,7 @@ GENTLE, PULSED, SINE, TURN, COAST = range(5)
         (SINE, "gyro_offset.yaw_rate"),
         (SINE, "accelerometer_misalignment.angle"),
         (TURN, "accelerometer_scale.lateral"),
+        (TURN, "accelerometer_levelled.share"),
         (COAST, "road_grade.grade"),
     ],
 )
