@@ -30,7 +30,7 @@ from model_diagnosis.data.swap_checks import check_swapped_wheels
 from model_diagnosis.data.undefined_values import check_free_wheels
 from model_diagnosis.data.undriven_forces import check_undriven_forces
 from model_diagnosis.data.unit_checks import check_units
-from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
 from signals.errors import InputError
 from vehicle_model.vehicle_file import VehicleFile
@@ -77,7 +77,8 @@ def check_data(
         large, further = with_rests(large, further)
         large, small = with_rests([*large, *further], small)
         large, repaired = settled_delays(large, repaired, vehicle, replayable)
-    faults += [fault_of(late) for late in (*large, *small)]
+    # what was shifted and then shifted back is not late
+    faults += [fault_of(late) for late in (*large, *small) if round(late.delay_s / SAMPLE_TIME_S)]
     return distinct(faults), repaired
 
 

@@ -16,6 +16,9 @@ from vehicle_model.vehicle_file import VehicleFile
 
 COMMANDED = ("brake_pressure", "steering")
 _LEAD_S = 0.02
+_SURELY = {"brake_pressure": 1.2, "steering": 2.5}
+"""Spreads of a lead that it has to be. A pressure without noise is suspect by that alone; a good angle sensor's noise
+is hidden by its steps, and one turn tells its lead to 17 ms."""
 _QUIET = 0.15
 _LEAST_SAMPLES = 100
 """Moving ones: a ramp and the first pulses of an ABS look like noise of 7 kPa in 67 samples."""
@@ -71,7 +74,7 @@ def find_command(manoeuvres: Sequence[Manoeuvre], relations: Sequence[LagRelatio
     found = []
     for group in COMMANDED:
         lead, spread = lead_of(relations, group)
-        if lead < max(_LEAD_S, 1.2 * spread) or not is_quiet(manoeuvres, group, vehicle):
+        if lead < max(_LEAD_S, _SURELY[group] * spread) or not is_quiet(manoeuvres, group, vehicle):
             continue
         channels = list(dict.fromkeys(n for m in manoeuvres for n in members(group, list(m.channels))))
         found.append(Late("command_not_measurement", frozenset({group}), tuple(channels), -lead, spread))

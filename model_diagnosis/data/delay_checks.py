@@ -15,7 +15,7 @@ from model_diagnosis.data.faults import joined
 from model_diagnosis.data.geometry import Geometry
 from model_diagnosis.data.lags import COARSE_BAND_HZ, FINE_BAND_HZ, Lag, find_lag
 from model_diagnosis.data.samples import BoolArray, FloatArray
-from model_diagnosis.data.twins import Twin, members, reached, slope, twins_of
+from model_diagnosis.data.twins import Twin, band, has_moved, members, moves, reached, slope, twins_of
 from model_diagnosis.data.unit_checks import CORRELATED
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
@@ -104,10 +104,14 @@ def _own_relations(manoeuvres: Sequence[Manoeuvre], replayed: Sequence[Manoeuvre
         ]
         if not pairs:
             continue
+        own = [_course(one, names) for one, _, names in pairs]
+        valid = [np.all([reached(one, name) for name in names], axis=0) for one, _, names in pairs]
+        if not any(has_moved(*each) for each in zip(own, valid, strict=True)):
+            continue
         lag = find_lag(
-            [_course(one, names) for one, _, names in pairs],
+            own,
             [_course(other, names) for _, other, names in pairs],
-            [np.all([reached(one, name) for name in names], axis=0) for one, _, names in pairs],
+            valid,
             widest_lag_s=0.15,
             band_hz=FINE_BAND_HZ,
             sign=1,
@@ -124,6 +128,8 @@ def _course(manoeuvre: Manoeuvre, names: Sequence[str]) -> FloatArray:
 
 
 def _lag_relation(twin: Twin, simulated: Twin | None) -> LagRelation | None:
+    if not moves(twin, _banded):
+        return None
     coarse = _coarse_lag(twin)
     if coarse.correlation < _ENOUGH and (regular := _without_slides(twin)) is not None:
         kept, twin = regular
@@ -138,6 +144,10 @@ def _lag_relation(twin: Twin, simulated: Twin | None) -> LagRelation | None:
         usual, tolerance = own
     spread = float(np.sqrt(estimate.std_s**2 + tolerance**2 + (0.1 * SAMPLE_TIME_S) ** 2))
     return LagRelation(twin.kind.late, twin.kind.early, estimate.lag_s - usual, spread)
+
+
+def _banded(values: FloatArray) -> FloatArray:
+    return band(values, *COARSE_BAND_HZ)
 
 
 def _coarse_lag(twin: Twin) -> Lag:
@@ -180,7 +190,7 @@ def _replayed_lag(twin: Twin, simulated: Twin, *, fine: bool) -> tuple[float, fl
     A quarter of the car's own lag stays uncertain, since it goes with stiffnesses that may be off.
     """
     followed = [
-        valid & _follows(a, b) & _follows(c, d)
+        valid & follows(a, b) & follows(c, d)
         for a, b, c, d, valid in zip(twin.left, simulated.left, twin.right, simulated.right, twin.valid, strict=True)
     ]
     if not any(mask.any() for mask in followed):
@@ -192,10 +202,10 @@ def _replayed_lag(twin: Twin, simulated: Twin, *, fine: bool) -> tuple[float, fl
     return own.lag_s, float(np.hypot(_REPLAYED_TOLERANCE_S, _LAG_UNCERTAINTY * own.lag_s))
 
 
-def _follows(measured: FloatArray, replayed: FloatArray) -> bool:
+def follows(measured: FloatArray, replayed: FloatArray, least: float = _FOLLOWS) -> bool:
     """True where the replayed series goes the measured one's way, at whatever delay up to 2.5 s."""
     everywhere = np.ones(len(measured), dtype=bool)
-    return find_lag([measured], [replayed], [everywhere], sign=1).correlation > _FOLLOWS
+    return find_lag([measured], [replayed], [everywhere], sign=1).correlation > least
 
 
 def candidates(manoeuvres: Sequence[Manoeuvre]) -> list[Late]:

@@ -21,6 +21,7 @@ class Geometry:
     mass: float
     wheelbase: float
     to_front: float
+    height: float
     track_front: float
     track_rear: float
     steering_ratio: float
@@ -36,6 +37,7 @@ def geometry_of(vehicle: VehicleFile) -> Geometry:
         mass=vehicle.body.mass,
         wheelbase=vehicle.body.wheelbase,
         to_front=vehicle.body.centre_of_gravity_to_front_axle,
+        height=vehicle.body.centre_of_gravity_height,
         track_front=vehicle.axles.front.track,
         track_rear=vehicle.axles.rear.track,
         steering_ratio=vehicle.steering.ratio,

@@ -14,7 +14,9 @@ COARSE_BAND_HZ = (0.15, 3.0)
 FINE_BAND_HZ = (0.5, 6.0)
 COARSE_STEP = 4
 """Samples skipped where only slow motion counts."""
-_BLOCK_S = 2.0
+_BLOCK_S, _SHORTEST_BLOCK_S = 2.0, 1.0
+_BLOCKS = 8
+"""Blocks that short data is cut into at least, as long as they are not shorter than the shortest."""
 _DRAWS = 60
 
 
@@ -53,6 +55,8 @@ def correlations(
     reach = round(widest_lag_s / SAMPLE_TIME_S / step)
     rows = []
     power_left = power_right = 0.0
+    seconds = SAMPLE_TIME_S * sum(float(mask.sum()) for mask in valid)
+    size = round(float(np.clip(seconds / _BLOCKS, _SHORTEST_BLOCK_S, _BLOCK_S)) / SAMPLE_TIME_S / step)
     for one, other, mask in zip(left, right, valid, strict=True):
         if len(one) < 30 or mask.sum() < 30:
             continue
@@ -60,7 +64,6 @@ def correlations(
         power_left += float(a @ a)
         power_right += float(b @ b)
         windows = np.lib.stride_tricks.sliding_window_view(np.pad(b, reach), 2 * reach + 1)
-        size = round(_BLOCK_S / SAMPLE_TIME_S / step)
         for begin in range(0, len(a), size):
             rows.append(a[begin : begin + size] @ windows[begin : begin + size])
     norm = np.sqrt(power_left * power_right)

@@ -14,7 +14,8 @@ from model_diagnosis.data.geometry import Geometry
 from model_diagnosis.data.lags import COARSE_STEP, correlations
 from model_diagnosis.data.low_pass import first_order, least_between, named_and_undone
 from model_diagnosis.data.samples import BoolArray, FloatArray
-from model_diagnosis.data.twins import AX_SPEED, AX_WHEELS, AY_YAW, YAW_WHEELS, reached, slope, twins_of
+from model_diagnosis.data.twin_kinds import AX_SPEED, AX_WHEELS, AY_YAW, YAW_WHEELS
+from model_diagnosis.data.twins import reached, slope, twins_of
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
 

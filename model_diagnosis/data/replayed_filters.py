@@ -11,10 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model_diagnosis.data.delay_acceptance import fitted_car
+from model_diagnosis.data.delay_checks import follows
 from model_diagnosis.data.innovations import log_innovation
 from model_diagnosis.data.low_pass import first_order, least_between, named_and_undone
 from model_diagnosis.data.replayed import ReplayFactory, replayed_manoeuvres
 from model_diagnosis.data.samples import BoolArray, FloatArray
+from model_diagnosis.data.twin_kinds import LEAST_OF
+from model_diagnosis.data.twins import has_moved
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
 from vehicle_model.vehicle_file import VehicleFile
@@ -28,6 +31,9 @@ _DELAYS = range(-6, 45, 3)
 _GAIN_PER_SAMPLE = 0.02
 """In log σ of the innovations: filters of 0.1 to 0.4 s gain 0.05 to 0.3, no car without one gained anything (24 cars
 of tuning seeds 68 and 1 000 002)."""
+_FOLLOWS = 0.85
+"""Correlation with its prediction, at whatever delay, from which a channel follows it: 0.91 and more in manoeuvres that
+were steered, filtered by 0.4 s too; 0.76 and less where a stop with ABS made the car sway."""
 _SETTLING_S = 0.3
 """Three time constants of the shortest filter that has to be named."""
 _OTHER_LOGGER = ("speed",)
@@ -91,11 +97,21 @@ def check_replayed_filters(
 
 
 def _filter_of(name: str, manoeuvres: Sequence[Manoeuvre], replayed: Sequence[Manoeuvre]) -> tuple[float, float]:
-    both = [(m, r) for m, r in zip(manoeuvres, replayed, strict=True) if name in m.channels]
+    both = [(m, r) for m, r in zip(manoeuvres, replayed, strict=True) if name in m.channels and _is_told(name, m, r)]
     if not both:
         return 0.0, 0.0
     measured, predicted = ([one.channels[name] for one in side] for side in zip(*both, strict=True))
     return _Channel(measured, predicted, [_settled(m.weight(name)) for m, _ in both]).filter()
+
+
+def _is_told(name: str, manoeuvre: Manoeuvre, replayed: Manoeuvre) -> bool:
+    """True where the inputs ask for a motion and the channel follows it.
+
+    Of sway that no input tells, a prediction that is smoothed away leaves less than one that is not.
+    """
+    sides = manoeuvre.channels[name], replayed.channels[name]
+    everywhere = np.ones(manoeuvre.samples, dtype=bool)
+    return all(has_moved(side, everywhere, LEAST_OF[name]) for side in sides) and follows(*sides, _FOLLOWS)
 
 
 def _refitted(

@@ -9,7 +9,7 @@ import numpy as np
 from model_diagnosis.data.faults import joined
 from model_diagnosis.data.geometry import Geometry
 from model_diagnosis.data.samples import FloatArray
-from model_diagnosis.data.twins import Motion, members, reached
+from model_diagnosis.data.twins import GRAVITY, Motion, members, reached
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
 from signals.wheels import WHEELS
@@ -19,9 +19,17 @@ _BLOCK_S = 0.5
 _MODEL_ERROR = 0.003
 """Relative error of the expected wheel speeds, root mean square: slip angles, radii under load."""
 _NAMES = tuple(f"wheel_speed_{wheel}" for wheel in WHEELS)
-_SLIP_PER_M_S2 = 0.004
-"""Usual brake or drive slip per acceleration that an axle makes, 1/(m/s²)."""
-_SLIP_FACTORS = (0.4, 1.0, 2.5)
+_SLIP_PER_M_S2 = 0.01
+"""Usual slip of an axle per acceleration that its force makes, 1/(m/s²), with half of the weight on it: 2/(K g), K = 20
+the slip stiffness over load."""
+_SLIP_FACTORS = (0.4, 1.0, 2.0)
+_LINEAR_M_S2 = 5.0
+"""Acceleration up to which slip goes with force over load: near the limit an axle slips as its control lets it."""
+_STRAIGHT, _GENTLE_M_S2 = 0.002, 2.0
+"""Relative difference of wheel speeds by turning beyond which it may be no more than that acceleration: the lighter
+inner wheel of a driven axle slips by as much more as the whole axle does (tuning seeds 407 and 607)."""
+_LEAST_SHARE = 0.2
+"""Share of the weight that an axle keeps at any rate."""
 
 
 def check_swapped_wheels(
@@ -60,9 +68,11 @@ def _blocks(manoeuvre: Manoeuvre, geometry: Geometry) -> tuple[FloatArray, Float
     for name in _NAMES:
         rolling &= reached(manoeuvre, name)
     turning = _turning(motion, geometry, mean, yaw_rate)
-    slipping = _slipping(motion)
+    slipping, commanded = _slipping(motion)
     relative = rims / np.maximum(mean, 1.0)[:, None] - 1.0
     rolling &= np.max(np.abs(relative), axis=1) < 0.15
+    straight = np.max(np.abs(turning), axis=1) < _STRAIGHT
+    rolling &= np.abs(commanded) < np.where(straight, _LINEAR_M_S2, _GENTLE_M_S2)
     size = round(_BLOCK_S / SAMPLE_TIME_S)
     rows = [
         (relative[k : k + size].mean(0), turning[k : k + size].mean(0), slipping[k : k + size].mean(0))
@@ -97,10 +107,10 @@ def _road_wheel_angle(motion: Motion, geometry: Geometry, speed: FloatArray, yaw
     return motion.channels[names[0]] / (geometry.steering_ratio if names[0] == "steering_wheel_angle" else 1.0)
 
 
-def _slipping(motion: Motion) -> FloatArray:
-    """Front minus rear difference of slip that pressures and drive torques ask for, as four columns with mean 0."""
-    samples = motion.manoeuvre.samples
-    gains, channels = motion.geometry.brake_gains, motion.channels
+def _slipping(motion: Motion) -> tuple[FloatArray, FloatArray]:
+    """Slips that pressures and drive torques ask for, (n, 4) with mean 0, and the acceleration (n,) that they make."""
+    samples, geometry = motion.manoeuvre.samples, motion.geometry
+    gains, channels = geometry.brake_gains, motion.channels
     per_axle = {"f": np.zeros(samples), "r": np.zeros(samples)}
     for wheel in WHEELS:
         name = f"brake_pressure_{wheel}" if f"brake_pressure_{wheel}" in channels else "master_pressure"
@@ -111,8 +121,12 @@ def _slipping(motion: Motion) -> FloatArray:
         if f"drive_torque_{axle}" in channels:
             force = channels[f"drive_torque_{axle}"] / motion.geometry.radii[f"{axle}l"]
             per_axle[axle] += force / motion.geometry.mass
-    slips: FloatArray = _SLIP_PER_M_S2 * np.stack([per_axle[w[0]] for w in WHEELS], axis=1)
-    return slips - slips.mean(axis=1, keepdims=True)
+    commanded = per_axle["f"] + per_axle["r"]
+    moved = commanded * geometry.height / (GRAVITY * geometry.wheelbase)
+    on_front = np.clip(1.0 - geometry.to_front / geometry.wheelbase - moved, _LEAST_SHARE, 1.0 - _LEAST_SHARE)
+    share = {"f": on_front, "r": 1.0 - on_front}
+    slips: FloatArray = _SLIP_PER_M_S2 * np.stack([0.5 * per_axle[w[0]] / share[w[0]] for w in WHEELS], axis=1)
+    return slips - slips.mean(axis=1, keepdims=True), commanded
 
 
 def _cost(measured: FloatArray, turning: FloatArray, slipping: FloatArray) -> float:

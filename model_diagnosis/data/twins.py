@@ -4,7 +4,7 @@ A group is a channel, or the channels that a logger brings together: ``wheel_spe
 ``steering``. Each twin says how a wrong factor, sign or delay of a group would show in it.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -13,41 +13,36 @@ from scipy import signal
 
 from model_diagnosis.data.geometry import Geometry
 from model_diagnosis.data.samples import BoolArray, FloatArray
+from model_diagnosis.data.twin_kinds import (
+    AX_DRIVE,
+    AX_PRESSURE,
+    AX_SPEED,
+    AX_WHEELS,
+    AY_YAW,
+    SIDE_SLIP,
+    SPEED_WHEELS,
+    WHEELS_PRESSURE,
+    YAW_HEADING,
+    YAW_STEER,
+    YAW_WHEELS,
+    TwinKind,
+)
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from model_diagnosis.replay.smoothing import noise_of
 from signals.wheels import WHEELS
 
 GRAVITY = 9.81
 _USUAL_UNDERSTEER_S2_M = 0.002
 _REACH_S = 0.25
 _SLOW_HZ = 2.0
-_WORK_M_S2 = 0.3
+_WORK_M_S2, _SLIPPING_M_S2 = 0.3, 1.5
+LEAST_SAMPLES = 30
+"""Valid samples (0.3 s) below which a level or a spread says nothing."""
+
+_BEYOND_NOISE = 2.0
+"""Spread of a twin's side below 2 Hz over the noise of its samples, of which a fifth is below 2 Hz."""
+
 _WORK_REACH_S = 0.5
-
-
-@dataclass(frozen=True)
-class TwinKind:
-    """How two sides compare.
-
-    Attributes
-    ----------
-    exponents : group -> power with which its factor enters left over right side
-    late, early : group whose delay makes the left side late, and the one that makes it early
-    log_tolerance : spread of log(left/right) over ordinary cars
-    lag_tolerance_s : spread of the lag over ordinary cars, the car's own answer included
-    usual_lag_s : lag of the left side in an ordinary car
-    level : True where the levels are compared, False where only their changes are
-    driven : True where only stretches count in which the right side is at work (pedal or throttle)
-    """
-
-    name: str
-    exponents: Mapping[str, float]
-    late: str
-    early: str
-    log_tolerance: float
-    lag_tolerance_s: float
-    usual_lag_s: float = 0.0
-    level: bool = False
-    driven: bool = False
 
 
 @dataclass(frozen=True)
@@ -58,100 +53,6 @@ class Twin:
     left: Sequence[FloatArray]
     right: Sequence[FloatArray]
     valid: Sequence[BoolArray]
-
-
-SPEED_WHEELS = TwinKind(
-    "speed and wheels",
-    {"speed": 1, "wheel_speed": -1},
-    "speed",
-    "wheel_speed",
-    0.04,
-    0.12,
-    usual_lag_s=0.06,
-    level=True,
-)
-AX_SPEED = TwinKind(
-    "longitudinal acceleration and speed",
-    {"longitudinal_acceleration": 1, "speed": -1},
-    "longitudinal_acceleration",
-    "speed",
-    0.13,
-    0.02,
-)
-AX_WHEELS = TwinKind(
-    "longitudinal acceleration and wheels",
-    {"longitudinal_acceleration": 1, "wheel_speed": -1},
-    "longitudinal_acceleration",
-    "wheel_speed",
-    0.15,
-    0.06,
-    usual_lag_s=0.05,
-)
-AY_YAW = TwinKind(
-    "lateral acceleration and yaw rate",
-    {"lateral_acceleration": 1, "yaw_rate": -1, "speed": -1},
-    "lateral_acceleration",
-    "yaw_rate",
-    0.15,
-    0.03,
-    usual_lag_s=-0.01,
-)
-YAW_WHEELS = TwinKind(
-    "yaw rate and wheels",
-    {"yaw_rate": 1, "wheel_speed": -1},
-    "yaw_rate",
-    "wheel_speed",
-    0.15,
-    0.02,
-)
-YAW_STEER = TwinKind(
-    "yaw rate and steering",
-    {"yaw_rate": 1, "steering": -1, "speed": -1},
-    "yaw_rate",
-    "steering",
-    0.3,
-    0.1,
-    usual_lag_s=0.07,
-)
-AX_PRESSURE = TwinKind(
-    "longitudinal acceleration and brake pressure",
-    {"longitudinal_acceleration": 1, "brake_pressure": -1},
-    "longitudinal_acceleration",
-    "brake_pressure",
-    0.45,
-    0.04,
-    usual_lag_s=0.03,
-    driven=True,
-)
-WHEELS_PRESSURE = TwinKind(
-    "wheels and brake pressure",
-    {"wheel_speed": 1, "brake_pressure": -1},
-    "wheel_speed",
-    "brake_pressure",
-    0.45,
-    0.07,
-    usual_lag_s=-0.03,
-    driven=True,
-)
-AX_DRIVE = TwinKind(
-    "longitudinal acceleration and drive torque",
-    {"longitudinal_acceleration": 1, "drive_torque": -1},
-    "longitudinal_acceleration",
-    "drive_torque",
-    0.45,
-    0.1,
-    usual_lag_s=0.03,
-    driven=True,
-)
-YAW_HEADING = TwinKind("yaw rate and heading", {"yaw_rate": 1, "yaw_angle": -1}, "yaw_rate", "yaw_angle", 0.1, 0.05)
-SIDE_SLIP = TwinKind(
-    "side slip and lateral speed",
-    {"side_slip_angle": 1, "lateral_speed": -1, "speed": 1},
-    "side_slip_angle",
-    "lateral_speed",
-    0.1,
-    0.05,
-)
 
 
 def members(group: str, channels: Sequence[str]) -> list[str]:
@@ -273,6 +174,32 @@ def _sides(motion: Motion) -> list[tuple[TwinKind, FloatArray, FloatArray]]:
     return [(kind, left, right) for kind, left, right in found if left is not None and right is not None]
 
 
+def moves(twin: Twin, course: Callable[[FloatArray], FloatArray] | None = None) -> bool:
+    """True where in some manoeuvre both sides change by more than their noise, and one by what a driver asks for.
+
+    What counts as change is a series' ``course``, without one what is below 2 Hz. Straight on, at a steady speed or off
+    the pedal a chance correlation is as good as any. The other side may be in another unit.
+    """
+    return any(
+        all(has_moved(side, valid, 0.0, course) for side in (left, right))
+        and any(has_moved(side, valid, twin.kind.least, course) for side in (left, right))
+        for left, right, valid in zip(twin.left, twin.right, twin.valid, strict=True)
+    )
+
+
+def has_moved(
+    values: FloatArray,
+    valid: BoolArray,
+    least: float = 0.0,
+    course: Callable[[FloatArray], FloatArray] | None = None,
+) -> bool:
+    """True where a series (n,) changes slowly by more than its noise and by at least so much."""
+    if valid.sum() <= LEAST_SAMPLES:
+        return False
+    changes = (course or slow)(values)[valid]
+    return float(np.std(changes)) > max(_BEYOND_NOISE * noise_of(values), least)
+
+
 def _paced(kind: TwinKind, group: str) -> TwinKind:
     """The same twin with its speed taken from another group."""
     return replace(kind, exponents={group if g == "speed" else g: power for g, power in kind.exponents.items()})
@@ -282,19 +209,31 @@ def twins_of(manoeuvres: Sequence[Manoeuvre], geometry: Geometry) -> list[Twin]:
     """Every twin that the channels allow, over all manoeuvres that have it."""
     sides: dict[str, tuple[TwinKind, list[FloatArray], list[FloatArray], list[BoolArray]]] = {}
     for manoeuvre in (one.on_one_raster() for one in manoeuvres):
-        for kind, left, right in _sides(Motion(manoeuvre, geometry)):
+        motion = Motion(manoeuvre, geometry)
+        braking, driving = motion.pressure_deceleration(), motion.drive_acceleration()
+        for kind, left, right in _sides(motion):
             entry = sides.setdefault(kind.name, (kind, [], [], []))
             entry[1].append(left)
             entry[2].append(right)
-            entry[3].append(_valid(manoeuvre, kind) & (_at_work(right) if kind.driven else True))
+            valid = _valid(manoeuvre, kind) & (_at_work(right) if kind.driven else True)
+            if kind.unbraked and braking is not None:
+                valid = valid & ~_at_work(braking)
+            for commanded in (braking, driving) if kind.gentle else ():
+                if commanded is not None:
+                    valid = valid & ~_near(np.abs(slow(commanded)) > _SLIPPING_M_S2)
+            entry[3].append(valid)
     return [Twin(*entry) for entry in sides.values()]
 
 
 def _at_work(acceleration: FloatArray) -> BoolArray:
     """(n,) True within half a second of a commanded acceleration that is more than noise."""
+    return _near(np.abs(slow(acceleration)) > max(_WORK_M_S2, 0.1 * float(np.max(np.abs(acceleration)))))
+
+
+def _near(marked: BoolArray) -> BoolArray:
+    """(n,) True within half a second of what is marked."""
     reach = round(_WORK_REACH_S / SAMPLE_TIME_S)
-    strong = np.abs(slow(acceleration)) > max(_WORK_M_S2, 0.1 * float(np.max(np.abs(acceleration))))
-    near: BoolArray = np.convolve(strong.astype(float), np.ones(2 * reach + 1), "same") > 0.5
+    near: BoolArray = np.convolve(marked.astype(float), np.ones(2 * reach + 1), "same") > 0.5
     return near
 
 

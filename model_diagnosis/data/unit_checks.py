@@ -11,14 +11,14 @@ from model_diagnosis.data.faults import joined
 from model_diagnosis.data.geometry import Geometry
 from model_diagnosis.data.lags import find_lag
 from model_diagnosis.data.samples import BoolArray, FloatArray
-from model_diagnosis.data.twins import Twin, members, slow, twins_of
+from model_diagnosis.data.twins import LEAST_SAMPLES, Twin, members, moves, slow, twins_of
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.replay.smoothing import noise_of
 from model_diagnosis.result import DataFault
 from signals.wheels import WHEELS
 
-_LEAST_SAMPLES = 30
-"""Valid samples (0.3 s) below which a level or a spread says nothing."""
+_BEYOND_NOISE = 10.0
+"""Level over noise from which a ratio of two channels is one of what they measure: at rest, offsets have any ratio."""
 
 CORRELATED = 0.8
 _ANGLE = {"degrees for radians": 57.29577951308232}
@@ -82,7 +82,7 @@ def _relation(twin: Twin) -> Relation | None:
         if middle == 0.0 or spread > 0.3 * abs(middle):
             return None
         return Relation(twin.kind.exponents, float(np.log(abs(middle))), int(np.sign(middle)), twin.kind.log_tolerance)
-    if "steering" in twin.kind.exponents and not _turns(twin):
+    if not moves(twin):
         return None
     lag = find_lag(twin.left, twin.right, twin.valid, widest_lag_s=0.3)
     if abs(lag.correlation) < CORRELATED:
@@ -97,17 +97,6 @@ def _relation(twin: Twin) -> Relation | None:
     )
 
 
-def _turns(twin: Twin) -> bool:
-    """True where both sides change by more than their noise: straight on, a chance correlation is as good as any."""
-    return all(
-        any(
-            v.sum() > _LEAST_SAMPLES and float(np.std(slow(side)[v])) > noise_of(side)
-            for side, v in zip(sides, twin.valid, strict=True)
-        )
-        for sides in (twin.left, twin.right)
-    )
-
-
 def _rows(twin: Twin) -> list[tuple[FloatArray, FloatArray, BoolArray]]:
     return list(zip(twin.left, twin.right, twin.valid, strict=True))
 
@@ -117,7 +106,7 @@ def _ratio_of_changes(twin: Twin, shift: int) -> float:
     left_power = right_power = 0.0
     for left, right, valid in _rows(twin):
         mask = valid & np.roll(valid, shift)
-        if mask.sum() < _LEAST_SAMPLES:
+        if mask.sum() < LEAST_SAMPLES:
             continue
         a, b = slow(left)[mask], np.roll(slow(right), shift)[mask]
         left_power += float(np.sum((a - a.mean()) ** 2))
@@ -247,7 +236,7 @@ def _single_wheel(manoeuvres: Sequence[Manoeuvre], name: str, others: Sequence[s
         if name not in manoeuvre.channels or not all(n in manoeuvre.channels for n in others):
             continue
         rest = np.median([manoeuvre.channels[n] for n in others], axis=0)
-        large = np.abs(rest) > max(0.3 * float(np.max(np.abs(rest))), 1e-9)
+        large = np.abs(rest) > max(0.3 * float(np.max(np.abs(rest))), _BEYOND_NOISE * noise_of(rest), 1e-9)
         ratios.append(manoeuvre.channels[name][large] / rest[large])
     ratio = float(np.median(np.concatenate(ratios))) if ratios and sum(map(len, ratios)) > 50 else 1.0
     if ratio == 0.0 or (abs(np.log(abs(ratio))) < 0.5 and ratio > 0.0):
