@@ -22,6 +22,7 @@ from model_diagnosis.effects.catalogue import effect as find_effect
 from model_diagnosis.effects.form import FORM_NAMES
 from model_diagnosis.evidence.answer import CauseDetail, causes
 from model_diagnosis.evidence.base import Base, fit_base
+from model_diagnosis.evidence.car_numbers import CarNumbers, numbers_within_scatter
 from model_diagnosis.evidence.excitation import Excitation, excitation, excited_columns
 from model_diagnosis.evidence.hypotheses import by_effect, hypotheses_of
 from model_diagnosis.evidence.lookalikes import look_alikes
@@ -32,16 +33,18 @@ from model_diagnosis.evidence.stage import linear_evidence, ratios
 from model_diagnosis.evidence.structure import are_forced_together
 from model_diagnosis.evidence.threshold import bootstrap_maxima, threshold
 from model_diagnosis.evidence.wrong_vehicle import WrongVehicle, are_of_the_car, compare
-from model_diagnosis.extension.other_car import numbers_of
+from model_diagnosis.extension.car_numbers import numbers_of
 from model_diagnosis.findings import Findings
-from model_diagnosis.held_out import gain_of, gain_of_numbers, noise_std, refit_within_scatter
+from model_diagnosis.gain import is_proven
+from model_diagnosis.held_out import gain_of, gain_of_numbers, noise_std
 from model_diagnosis.localisation import Localisation, localise, place_remarks
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.next_manoeuvre import next_manoeuvre
 from model_diagnosis.pictures import manoeuvre_findings
+from model_diagnosis.remarks import remarks_of
 from model_diagnosis.replay import Replay, ReplayBase, RigReplay
 from model_diagnosis.replay.choosing import replay_class
-from model_diagnosis.result import DataFault, Diagnosis
+from model_diagnosis.result import DataFault, Diagnosis, Gain
 from model_diagnosis.verdict import verdict_of
 from signals.errors import InputError
 from signals.measured import ChannelMap, load_channel_map
@@ -54,8 +57,6 @@ Source = Sequence[Manoeuvre] | Sequence[str | Path]
 
 REFIT_MARGIN = 3.0
 """Log evidence below the threshold from which an effect is still refitted."""
-
-OF_A_CAR_ONLY = "violated equations, unknown terms, plan of the next manoeuvre and stops with the control unit"
 
 STEPS = {
     "data": 0.0,
@@ -211,7 +212,9 @@ class _Pipeline:
         left = selection.left if not unknown and are_of_the_car(accepted) else 0.0
         wrong = compare(base.problem, selection.nothing, chords, starts, found - left)
         is_wrong = wrong.beats(found, left)
-        details = [] if is_wrong or unknown else self._causes(search, selection)
+        details: list[CauseDetail] = []
+        if not is_wrong and not unknown:
+            selection, details = self._causes(search, selector, selection)
         shown = excitation(base.problem, base.at_nothing.information, needed)
         self.clock.begin("plan")
         following = None
@@ -219,11 +222,11 @@ class _Pipeline:
             following = next_manoeuvre(self.vehicle, self.replay, search, selection, details)
         self.clock.begin("gain")
         unknown = None if is_wrong else unknown
-        answer = self._diagnosis(
+        answer, numbers = self._diagnosis(
             search, selection, details, wrong if is_wrong else None, shown, guilty, needed, unknown
         )
         answer.next_manoeuvre = following
-        findings = self._findings(answer, base, selection, search, unknown, wrong)
+        findings = self._findings(answer, base, selection, search, unknown, numbers)
         self.clock.begin("")
         answer.timing_s.update(self.clock.seconds)
         return findings
@@ -268,9 +271,13 @@ class _Pipeline:
         needed = threshold(maxima, int(excited.sum()))
         return Search(base.problem, hypotheses, needed - REFIT_MARGIN), needed
 
-    def _causes(self, search: Search, selection: Selection) -> list[CauseDetail]:
+    def _causes(self, search: Search, selector: Selector, selection: Selection) -> tuple[Selection, list[CauseDetail]]:
+        """Causes of a selection, and the selection that is left where some are improbable in their own place."""
         alike = [look_alikes(search, selection, one, self._forced(one)) for one in selection.accepted]
-        return causes(search, selection, alike, self.replay.physical)
+        found = causes(search, selection, alike, self.replay.physical)
+        if improbable := [one.accepted for one in found if one.is_improbable]:
+            return self._causes(search, selector, selector.without(selection, improbable))
+        return selection, found
 
     @property
     def _nameable(self) -> int:
@@ -300,7 +307,8 @@ class _Pipeline:
         guilty: Localisation,
         needed: float,
         unknown: FoundUnknown | None,
-    ) -> Diagnosis:
+    ) -> tuple[Diagnosis, CarNumbers | None]:
+        """The answer, and the car's own numbers where they are what it comes to."""
         found = [detail.cause for detail in details]
         terms = [unknown.answer] if unknown else []
         gain = gain_of(search.problem, selection, self.held_out, self.seed) if found else None
@@ -308,10 +316,10 @@ class _Pipeline:
             held_out = unknown.on(self.held_out) if isinstance(self.held_out, Replay) else None
             gain = gain_of(unknown.problem, unknown.selection, held_out, self.seed, unknown.theta_on)
         verdict = verdict_of(found, terms, self.faults, wrong, shown.insufficient, self._nameable)
-        if wrong is not None and wrong.theta is not None and verdict == "wrong_vehicle":
-            refit = refit_within_scatter(search.problem, selection.linearisation, selection.nothing.theta)
-            gain = gain_of_numbers(refit, wrong.theta, self.held_out, self.seed)
-        return Diagnosis(
+        numbers = None
+        if not found and not terms:
+            numbers, gain = self._numbers(search, selection, wrong if verdict == "wrong_vehicle" else None)
+        answer = Diagnosis(
             verdict=verdict,
             subject="wheel_on_rig" if isinstance(self.replay, RigReplay) else "car",
             data_faults=self.faults,
@@ -319,7 +327,7 @@ class _Pipeline:
             discovered_terms=terms,
             gain=gain,
             remarks=[
-                *self._remarks(selection, wrong, unknown),
+                *remarks_of(self.replay, selection, wrong, unknown),
                 *place_remarks([find_effect(cause.effect) for cause in found], guilty.by_innovations),
             ],
             insufficient=list(shown.insufficient),
@@ -329,26 +337,20 @@ class _Pipeline:
             probability_of_nothing=min((detail.alike.nothing for detail in details), default=None),
             threshold=needed,
         )
+        return answer, numbers
 
-    def _remarks(self, selection: Selection, wrong: WrongVehicle | None, unknown: FoundUnknown | None) -> list[str]:
-        remarks = list(selection.decisions)
-        if unknown:
-            remarks += unknown.selection.decisions
-            remarks.append(f"{unknown.term.formula}: log evidence {unknown.evidence:.1f}, its price paid")
-            remarks += [
-                f"{unknown.term.formula}: on this data the same as {name} ({value:.2f})"
-                for name, value in unknown.same_as.items()
-            ]
-        if wrong is not None:
-            for column, deviation in zip(wrong.far_off, wrong.deviations, strict=True):
-                remarks.append(
-                    f"{self.replay.columns[column]} is {deviation:+.1f} times its scatter off the vehicle file"
-                )
-        if not isinstance(self.replay, Replay):
-            remarks.append(f"{OF_A_CAR_ONLY}: not for a wheel on a rig")
-        if len(self.replay.manoeuvres) == 1:
-            remarks.append("one manoeuvre only: nothing is left to check the answer on")
-        return remarks
+    def _numbers(
+        self, search: Search, selection: Selection, wrong: WrongVehicle | None
+    ) -> tuple[CarNumbers | None, Gain | None]:
+        """Another car's numbers with their gain; of this car those within its scatter, where held-out data proves them.
+
+        A scatter says how far a file may be off: what is inside is no cause, and still better known now.
+        """
+        inside = numbers_within_scatter(search.problem, selection.linearisation, selection.nothing.theta)
+        if wrong is not None and wrong.numbers is not None:
+            return wrong.numbers, gain_of_numbers(inside.theta, wrong.numbers.theta, self.held_out, self.seed)
+        gain = gain_of_numbers(None, inside.theta, self.held_out, self.seed)
+        return (inside, gain) if gain is not None and is_proven(gain) else (None, None)
 
     def _findings(
         self,
@@ -357,13 +359,12 @@ class _Pipeline:
         selection: Selection,
         search: Search,
         unknown: FoundUnknown | None,
-        wrong: WrongVehicle,
+        numbers: CarNumbers | None,
     ) -> Findings:
         replay, held_out = self.replay, self.held_out
         theta = beyond = selection.fit.theta if answer.causes else np.zeros(len(replay.columns))
-        is_other_car = answer.verdict == "wrong_vehicle"
-        if is_other_car and wrong.theta is not None:
-            theta = beyond = wrong.theta
+        if numbers is not None:
+            theta = beyond = numbers.theta
         if unknown:
             replay, theta = unknown.replay, unknown.selection.fit.theta
             if isinstance(held_out, Replay):
@@ -387,5 +388,5 @@ class _Pipeline:
             },
             logs=self.logs,
             terms=[unknown.for_the_car] if unknown else [],
-            numbers=numbers_of(self.replay, wrong, answer.gain) if is_other_car else [],
+            numbers=numbers_of(self.replay, numbers, answer.gain),
         )

@@ -58,7 +58,7 @@ class Findings:
     evidence : effect -> log Bayes factor against "nothing" from the sensitivities, for every effect that was tested
     logs : files as given
     terms : discovered terms as the extended vehicle takes them
-    numbers : of a wrong vehicle, the numbers that the data say, as the extended vehicle takes them
+    numbers : of a wrong vehicle, or of this one within its scatter, what the data say, as the extended vehicle takes it
     """
 
     diagnosis: Diagnosis

@@ -1,14 +1,14 @@
 """The gain of an answer on manoeuvres that took no part in the search, or by leaving out each manoeuvre in turn."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.evidence.bounded import lowest_within
-from model_diagnosis.evidence.fitting import Linearisation, Problem
-from model_diagnosis.evidence.priors import Priors, with_commons
+from model_diagnosis.evidence.car_numbers import refit_within_scatter, within_scatter
+from model_diagnosis.evidence.fitting import Problem
+from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.selection import Selection
 from model_diagnosis.evidence.stage import ratios
@@ -17,10 +17,6 @@ from model_diagnosis.replay import ReplayBase
 from model_diagnosis.result import Gain
 
 FloatArray = NDArray[np.float64]
-
-SCATTERS_OF_A_REFIT = 2.0
-"""Scatters up to which a refit puts a number off: 95 of 100 ordinary cars are inside. Without an end it would say an
-effect of many scatters by other numbers that are off by many scatters, which is no ordinary car."""
 
 
 def gain_of(
@@ -48,28 +44,8 @@ def gain_of(
     return measure_gain(residuals, noise_std(problem.replay), seed=seed, cross_validated=True)
 
 
-def refit_within_scatter(problem: Problem, linearisation: Linearisation, start: FloatArray) -> FloatArray:
-    """Deviations (p,) that fit best while no number is off by more than two of its scatters, and nothing is wrong."""
-    inside = _within_scatter(problem)
-    bounded = replace(problem, priors=inside)
-    begin = np.clip(with_commons(start, problem.replay.parameters), inside.low, inside.high)
-    return bounded.fit(linearisation, inside.nuisance, begin).theta
-
-
-def _within_scatter(problem: Problem) -> Priors:
-    """Priors with bounds at two stated scatters, each axle for itself: in common they would add up to more."""
-    priors, apart = problem.priors, Priors.of(problem.replay.parameters, in_common=False)
-    way = SCATTERS_OF_A_REFIT * apart.nuisance
-    return replace(
-        priors,
-        nuisance=apart.nuisance,
-        low=np.maximum(priors.low, priors.centre - way),
-        high=np.minimum(priors.high, priors.centre + way),
-    )
-
-
-def gain_of_numbers(refit: FloatArray, after: FloatArray, held_out: ReplayBase | None, seed: int) -> Gain | None:
-    """Gain of other numbers ``after`` (p,) on the held-out replay, beside a ``refit`` (p,) within the scatter."""
+def gain_of_numbers(refit: FloatArray | None, after: FloatArray, held_out: ReplayBase | None, seed: int) -> Gain | None:
+    """Gain of numbers ``after`` (p,) on the held-out replay, beside a ``refit`` (p,) within the scatter if any."""
     if held_out is None or not len(held_out.manoeuvres):
         return None
     residuals = held_out_residuals(held_out, np.zeros(len(after)), after, refit)
@@ -98,7 +74,7 @@ def _left_out(problem: Problem, selection: Selection) -> list[HeldOut]:
     found = []
     for number, manoeuvre in enumerate(problem.replay.manoeuvres):
         after = _without(problem, parts, number, ratios(problem, chosen), problem.priors)
-        refit = _without(problem, nothing_parts, number, ratios(problem, ()), _within_scatter(problem))
+        refit = _without(problem, nothing_parts, number, ratios(problem, ()), within_scatter(problem))
         found.append(
             HeldOut(
                 manoeuvre.name,

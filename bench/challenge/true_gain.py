@@ -45,8 +45,9 @@ def _true_ratio(case: Path, label: Mapping[str, Any], courses: Courses | None) -
     """Held-out error with what is hidden over that of the refitted nominal car; None if the search lacks it."""
     import numpy as np
 
+    from model_diagnosis.evidence.car_numbers import refit_within_scatter
     from model_diagnosis.gain import held_out_residuals, measure_gain
-    from model_diagnosis.held_out import noise_std, refit_within_scatter
+    from model_diagnosis.held_out import noise_std
     from signals.errors import BenchError
 
     try:

@@ -68,16 +68,23 @@ def headline(diagnosis: Diagnosis) -> str:
             group = causes[0].group if causes else []
             return f"One of {_or([plain(name) for name in group])}; this data cannot tell which."
         case "nothing_found":
-            return "The vehicle file explains the data: nothing goes beyond its stated scatter."
+            return (
+                f"The vehicle file explains the data: nothing goes beyond its stated scatter.{_own_numbers(diagnosis)}"
+            )
         case "data_fault":
             faults = _and(list(dict.fromkeys(f"{plain(f.kind)} in {f.channel}" for f in diagnosis.data_faults)))
-            return f"The data has a fault, the {subject} has none that shows: {faults}."
+            return f"The data has a fault, the {subject} has none that shows: {faults}.{_own_numbers(diagnosis)}"
         case "wrong_vehicle":
             said = f"Several parameters are far off at once: this is probably not the {subject} of the vehicle file."
             own = " The extended vehicle file has the numbers that the data say."
             return said + (own if diagnosis.extension_file else "")
         case "insufficient_data":
-            return "This data cannot answer the question."
+            return f"This data cannot answer the question.{_own_numbers(diagnosis)}"
+
+
+def _own_numbers(diagnosis: Diagnosis) -> str:
+    """Sentence on an extended vehicle file without causes."""
+    return " The extended vehicle file has this car's numbers within their scatter." if diagnosis.extension_file else ""
 
 
 def parameter_texts(cause: Cause) -> list[ParameterText]:
@@ -105,10 +112,11 @@ def accepted(diagnosis: Diagnosis) -> list[Cause]:
 
 
 def _with_change(cause: Cause) -> str:
-    """Name with the change of its parameter, where it has one and no more."""
+    """Name with the change of its only parameter, if it has one only, and what this data cannot tell from it."""
     texts = parameter_texts(cause)
     words = texts[0].change or texts[0].value if len(texts) == 1 else ""
-    return f"{plain(cause.effect)} {words}".strip()
+    others = [plain(name) for name in cause.group if name != cause.effect]
+    return " or ".join([f"{plain(cause.effect)} {words}".strip(), *others])
 
 
 def _parameter(name: str, estimate: ParameterEstimate) -> ParameterText:

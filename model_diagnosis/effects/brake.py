@@ -106,7 +106,7 @@ BRAKE_EFFECTS: tuple[Effect, ...] = (
     _brake(
         name="brake_balance",
         equation="k_f <- k_f (1 + b), k_r <- k_r (1 - b k_f/k_r)",
-        parameters=(EffectParameter("shift", "1", -0.25, 0.25, 0.02, 0.09),),
+        parameters=(EffectParameter("shift", "1", -0.25, 0.25, 0.02, 0.09, relative=False),),
         confounded_with=("cg_height_change", "tyre_load_sensitivity", "wheel_brake_weak"),
         separating_manoeuvre="low and high deceleration",
         source=_LUMPED,

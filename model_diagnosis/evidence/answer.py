@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.evidence.checks import Consistency, consistency
+from model_diagnosis.evidence.groups import SEPARATION_NEEDED
 from model_diagnosis.evidence.law_errors import LAW_SHARE
 from model_diagnosis.evidence.lookalikes import LookAlikes
 from model_diagnosis.evidence.priors import with_commons
@@ -23,6 +24,9 @@ INTERVAL_STD = 1.6449
 
 INCONSISTENT_PER_MANOEUVRE = 6.0
 """Mean squared difference between manoeuvres, in units of their own std, beyond which a remark is made."""
+
+LEAST_PROBABLE = 0.05
+"""Probability in its own place, look-alikes included, below which an accepted effect is no cause."""
 
 Physical = Callable[[int, float], tuple[float, str, float]]
 """Column and deviation to physical value, unit and nominal value."""
@@ -44,6 +48,11 @@ class CauseDetail:
     consistency: Mapping[int, Consistency] = field(default_factory=dict)
     held_out: Mapping[str, float] = field(default_factory=dict)
 
+    @property
+    def is_improbable(self) -> bool:
+        """True where others explain better what it explains, though none of them could be accepted."""
+        return sum(self.cause.group_probabilities.values()) < LEAST_PROBABLE
+
 
 def causes(search: Search, selection: Selection, alike: Sequence[LookAlikes], physical: Physical) -> list[CauseDetail]:
     """Accepted effects as causes, the most probable first."""
@@ -57,14 +66,20 @@ def causes(search: Search, selection: Selection, alike: Sequence[LookAlikes], ph
     names = [manoeuvre.name for manoeuvre in problem.replay.manoeuvres]
     found = []
     for accepted, other in zip(selection.accepted, alike, strict=True):
+        if accepted.hypothesis.value is not None:
+            std[list(accepted.hypothesis.columns)] = 0.0  # stated by the hypothesis, not estimated
         effect = problem.replay.effects[accepted.hypothesis.effect]
         agreement = {column: consistency(parts, scaled, column) for column in accepted.hypothesis.columns}
+        of = {column: problem.replay.parameters[column] for column in accepted.hypothesis.columns}
         estimates = {
-            problem.replay.parameters[column].name: _estimate(
-                physical, column, deviations[column], std[column], problem.replay.parameters[column]
-            )
-            for column in accepted.hypothesis.columns
+            parameter.name: _estimate(physical, column, deviations[column], std[column], parameter)
+            for column, parameter in of.items()
         }
+        at_end = [
+            parameter.name
+            for column, parameter in of.items()
+            if accepted.hypothesis.value is None and _is_at_end(deviations[column], parameter)
+        ]
         held_out = dict(zip(names, (float(value) for value in accepted.held_out.differences), strict=True))
         group = [problem.replay.effects[number].name for number in other.group]
         cause = Cause(
@@ -77,7 +92,11 @@ def causes(search: Search, selection: Selection, alike: Sequence[LookAlikes], ph
             },
             equation=effect.equation,
             evidence=float(accepted.evidence),
-            remarks=[*_remarks(agreement, accepted, names), *_alike(other, problem.replay)],
+            remarks=[
+                *(f"{name} is at the end of its range: the cause is larger, or another" for name in at_end),
+                *_remarks(agreement, accepted, names),
+                *_alike(other, problem.replay),
+            ],
         )
         found.append(CauseDetail(cause, accepted, other, agreement, held_out))
     # a cause that shares its probability with a look-alike is no less certain for that
@@ -88,7 +107,7 @@ def _estimate(
     physical: Physical, column: int, deviation: float, std: float, parameter: EffectParameter
 ) -> ParameterEstimate:
     value, unit, nominal = physical(column, deviation)
-    std = float(np.hypot(std, LAW_SHARE * deviation))
+    std = float(np.hypot(std, LAW_SHARE * deviation)) if std > 0.0 else 0.0
     ends = sorted(
         physical(column, float(np.clip(deviation + side * INTERVAL_STD * std, parameter.low, parameter.high)))[0]
         for side in (-1.0, 1.0)
@@ -96,13 +115,25 @@ def _estimate(
     return ParameterEstimate(value=value, low=ends[0], high=ends[1], unit=unit, nominal=nominal)
 
 
+def _is_at_end(deviation: float, parameter: EffectParameter) -> bool:
+    """True where only its bound, which is not the neutral value, keeps a deviation; a place may end where it will."""
+    return deviation != 0.0 and not parameter.places and not parameter.low < deviation < parameter.high
+
+
 def _alike(other: LookAlikes, replay: ReplayModel) -> list[str]:
-    return [
-        f"{replay.effects[member].name} looks the same: canonical correlation {correlation:.3f}, "
-        f"{other.separations[member]:.1f} expected to tell them apart"
-        for member, correlation in other.correlations.items()
-        if member in other.separations
-    ]
+    remarks = []
+    for member, correlation in other.correlations.items():
+        name, expected = replay.effects[member].name, other.separations.get(member)
+        if expected is None:
+            continue
+        if expected < SEPARATION_NEEDED:
+            told = (
+                f"looks the same: canonical correlation {correlation:.3f}, {expected:.1f} expected to tell them apart"
+            )
+        else:
+            told = f"explains this data as well, though {expected:.1f} of log evidence should tell them apart"
+        remarks.append(f"{name} {told}")
+    return remarks
 
 
 def _remarks(agreement: Mapping[int, Consistency], accepted: Accepted, names: Sequence[str]) -> list[str]:

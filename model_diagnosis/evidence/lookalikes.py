@@ -1,7 +1,8 @@
 """Look-alikes of an accepted effect, refitted in its place, and the probabilities of all of them.
 
 Source: model discrepancy anchor, section 3.7: the group of the winner is every effect with an expected separation below
-3 at the winner's size and an evidence, after refit, less than 3 below the winner's.
+3 at the winner's size and an evidence, after refit, less than 3 below the winner's. Beyond it, one that says as much as
+the winner is in the group too, whatever was to be expected: this data did not tell them apart.
 """
 
 from collections.abc import Collection, Sequence
@@ -76,6 +77,8 @@ def look_alikes(
             evidence[effect] += float(np.clip(by_data, -told, told)) - by_data
     for effect in _rivals(evidence, accepted, {*group, *forced, *close[:REFITTED]}):
         evidence[effect], _ = _refitted(search, selection, quadratic, rest, effect, accepted)
+        if abs(accepted.evidence - evidence[effect]) < SEPARATION_NEEDED:
+            group.append(effect)
     probability, nothing = probabilities(evidence)
     alike = _correlations(search, quadratic, rest, own, group[1:])
     return LookAlikes(tuple(group), evidence, probability, nothing, separations, alike)

@@ -5,7 +5,7 @@ to drop and to swap every accepted one; the effect must also lower BIC_eff and p
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -136,6 +136,16 @@ class Selector:
                 chosen, fit, linearisation = self._drop_and_swap(chosen, fit, linearisation, stages)
         accepted = [self._judged(chosen, hypothesis, fit, linearisation, nothing) for hypothesis in chosen]
         return Selection(accepted, fit, linearisation, nothing, stages, left, self.decisions)
+
+    def without(self, selection: Selection, improbable: Sequence[Accepted]) -> Selection:
+        """The same answer without effects in whose place others say more, though those were refused."""
+        dropped = [one.hypothesis for one in improbable]
+        chosen = [one.hypothesis for one in selection.accepted if one.hypothesis not in dropped]
+        told = [f"dropped {self.name(one)}: what was refused says more in its place" for one in dropped]
+        fit, linearisation = self._polish(self.search.fit_set(chosen, selection.linearisation, selection.fit.theta))
+        accepted = [self._judged(chosen, one, fit, linearisation, selection.nothing) for one in chosen]
+        decisions = [*selection.decisions, *told]
+        return replace(selection, accepted=accepted, fit=fit, linearisation=linearisation, decisions=decisions)
 
     def name(self, hypothesis: Hypothesis) -> str:
         """Readable name: the effect's, with the parameter where only one of several is present."""

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.effects.effect import Application, Effect, Group
+from model_diagnosis.effects.effect import Effect, Group
+from model_diagnosis.evidence.car_numbers import CarNumbers, nominal_columns
 from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.form_heat import own_direction
-from model_diagnosis.evidence.priors import Priors, is_scattering, with_commons
+from model_diagnosis.evidence.priors import Priors, with_commons
 
 FloatArray = NDArray[np.float64]
 
@@ -49,17 +50,13 @@ class WrongVehicle:
     evidence : log Bayes factor of the wide scatter against "nothing"
     far_off : columns of nominal parameters beyond four times their scatter and a tenth of their value, farthest first
     deviations : how far, in units of the scatter
-    theta : (p,) fit of that other car; None where the replay has no nominal numbers
-    numbers : columns of the numbers that make the car
-    std : of these, standard deviation of what the fit says
+    numbers : that other car; None where the replay has no nominal numbers
     """
 
     evidence: float
     far_off: tuple[int, ...]
     deviations: tuple[float, ...]
-    theta: FloatArray | None = None
-    numbers: tuple[int, ...] = ()
-    std: tuple[float, ...] = ()
+    numbers: CarNumbers | None = None
 
     def beats(self, selected_evidence: float, left: float = 0.0) -> bool:
         """True if the data speaks for another car rather than for the selected effects.
@@ -68,19 +65,6 @@ class WrongVehicle:
         are then not the whole either, and another car may say less than they do by so much.
         """
         return self.evidence > selected_evidence + MARGIN - left and len(self.far_off) >= PARAMETERS_FAR_OFF
-
-
-def nominal_columns(problem: Problem) -> NDArray[np.int64]:
-    """Columns of parameters that stand in the vehicle file and scatter from car to car."""
-    replay = problem.replay
-    return np.array(
-        [
-            column
-            for column, parameter in enumerate(replay.parameters)
-            if is_scattering(parameter) and replay.effects[int(replay.owner[column])].application == Application.PLANT
-        ],
-        dtype=np.int64,
-    )
 
 
 def are_of_the_car(effects: Sequence[Effect]) -> bool:
@@ -148,9 +132,7 @@ def compare(
         evidence,
         tuple(order),
         tuple(float(off[column]) for column in order),
-        fits[best].theta,
-        tuple(int(column) for column in columns),
-        tuple(float(one) for one in std),
+        CarNumbers(fits[best].theta, columns.tolist(), std.tolist()),
     )
 
 

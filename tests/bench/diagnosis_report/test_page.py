@@ -27,9 +27,17 @@ def texts(page: str) -> str:
 
 def test_the_answer_stands_at_the_top(diagnosis_page: Path) -> None:
     top = texts(diagnosis_page.read_text("utf-8").partition("<main>")[0])
-    assert "The car differs from its vehicle file: brake pad friction −20.5 %." in top
+    assert "The car differs from its vehicle file: brake pad friction −20.5 % or pressure sensor scale." in top
     for figure in ("83 %", "0.318", "12 % [9, 16]", "4, 1 held out"):
         assert figure in top
+
+
+@pytest.mark.parametrize("verdict", ["nothing_found", "data_fault", "insufficient_data"])
+def test_an_extended_file_without_causes_is_told(findings: Findings, verdict: str) -> None:
+    plain = findings.diagnosis.model_copy(update={"verdict": verdict, "causes": [], "extension_file": None})
+    extended = plain.model_copy(update={"extension_file": "extended_vehicle.yaml"})
+    own = " The extended vehicle file has this car's numbers within their scatter."
+    assert headline(extended) == headline(plain) + own
 
 
 def test_everything_found_is_on_the_page(diagnosis_page: Path) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.stats import binom
 
 from model_diagnosis.effects import catalogue
+from model_diagnosis.evidence import lookalikes
 from model_diagnosis.evidence.answer import causes
 from model_diagnosis.evidence.base import fit_base
 from model_diagnosis.evidence.fitting import Fit
@@ -51,6 +52,10 @@ def _truth(seed: int, **hidden: float) -> NDArray[np.float64]:
     for name, value in hidden.items():
         truth[int(name.removeprefix("c"))] = value
     return truth
+
+
+def _factor(_column: int, deviation: float) -> tuple[float, str, float]:
+    return 1.0 + deviation, "1", 1.0
 
 
 def _names(car: LinearCar, selection: Selection) -> set[str]:
@@ -157,6 +162,60 @@ def test_a_rejected_effect_far_from_the_winner_is_not_in_its_group() -> None:
     assert look_alikes(search, selection, selection.accepted[0]).group == (3,)
 
 
+@pytest.mark.parametrize(
+    ("apart", "group", "improbable"),
+    [(1.0, (7, 4), False), (4.0, (7,), False), (-1.0, (7, 4), False), (-6.0, (7,), True)],
+)
+def test_what_says_as_much_is_in_the_group_whatever_was_to_be_expected(
+    monkeypatch: pytest.MonkeyPatch, apart: float, group: tuple[int, ...], improbable: bool
+) -> None:
+    """An effect that should be told apart, and is less than 3 of log evidence away; from 3 above on it is the likelier
+    one (e^6 = 400 to 1), and what was accepted is no cause."""
+    car = LinearCar(EFFECTS, _truth(2, c7=-0.22), 2, bend=0.4, colour=0.5)
+    search, selection = _search(car)
+    (accepted,) = selection.accepted
+    said = np.full(len(car.effects), -50.0)
+    said[4] = accepted.evidence - apart
+    monkeypatch.setattr(lookalikes, "_evidence_in_place", lambda *_: said.copy())
+    monkeypatch.setattr(lookalikes, "_refitted", lambda *_: (said[4], 0.0))
+    alike = look_alikes(search, selection, accepted)
+    assert alike.separations[4] > 10.0
+    assert alike.group == group
+    (found,) = causes(search, selection, [alike], _factor)
+    assert found.is_improbable == improbable
+    told = [remark for remark in found.cause.remarks if remark.startswith("e4 explains this data as well")]
+    assert len(told) == (len(group) > 1)
+
+
+def test_an_improbable_effect_leaves_the_others_as_if_it_had_not_been_accepted() -> None:
+    car = LinearCar(EFFECTS, _truth(7, c1=0.25, c6=-0.3), 7, bend=0.4, colour=0.5)
+    search, selection = _search(car)
+    improbable = [one for one in selection.accepted if one.hypothesis.columns == (6,)]
+    left = Selector(search, 5.0).without(selection, improbable)
+    assert [one.hypothesis.columns for one in left.accepted] == [(1,)]
+    assert left.fit.theta[1] == pytest.approx(0.25, abs=0.05)
+    assert left.fit.widths[6] == pytest.approx(NUISANCE)  # a number of an ordinary car again
+    assert "dropped e6: what was refused says more in its place" in left.decisions
+
+
+def test_a_value_that_the_hypothesis_states_has_no_width() -> None:
+    truth = _truth(6)
+    truth[14] = 1.0
+    search, selection = _search(LinearCar(EFFECTS, truth, 6, colour=0.5, strength=0.1))
+    (found,) = causes(search, selection, [look_alikes(search, selection, selection.accepted[0])], _factor)
+    (estimate,) = found.cause.parameters.values()
+    assert (estimate.low, estimate.value, estimate.high) == (2.0, 2.0, 2.0)
+
+
+def test_a_cause_at_the_end_of_its_range_says_so() -> None:
+    """Hidden is 1.3; the effect ends at 1."""
+    search, selection = _search(LinearCar(EFFECTS, _truth(6, c3=1.3), 6, colour=0.5))
+    alike = [look_alikes(search, selection, one) for one in selection.accepted]
+    found = causes(search, selection, alike, _factor)
+    own = next(one for one in found if one.accepted.hypothesis.columns == (3,))
+    assert own.cause.remarks[0] == "part_0 is at the end of its range: the cause is larger, or another"
+
+
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     hits = named = 0
     for seed in range(40):
@@ -167,7 +226,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
             continue
         named += 1
         alike = [look_alikes(search, selection, one) for one in selection.accepted]
-        found = causes(search, selection, alike, lambda _column, deviation: (1.0 + deviation, "1", 1.0))
+        found = causes(search, selection, alike, _factor)
         (estimate,) = found[0].cause.parameters.values()
         hits += estimate.low <= 1.0 + truth[2] <= estimate.high
     assert named >= 30

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model_diagnosis.evidence.wrong_vehicle import WrongVehicle
+from model_diagnosis.evidence.car_numbers import CarNumbers
+from model_diagnosis.extension.car_numbers import numbers_of
 from model_diagnosis.extension.extended_vehicle import extensions_of, write_extended_vehicle
-from model_diagnosis.extension.other_car import numbers_of
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay import Replay
 from vehicle_model import load_vehicle
@@ -30,7 +30,7 @@ def test_the_other_cars_numbers_stand_in_the_file_with_their_intervals(tmp_path:
     numbers = tuple(replay.columns.index(name) for name in columns)
     theta = np.zeros(len(replay.columns))
     theta[list(numbers)] = 0.2, -0.3
-    found = numbers_of(replay, WrongVehicle(100.0, numbers, (10.0, -10.0), theta, numbers, (0.01, 0.02)), None)
+    found = numbers_of(replay, CarNumbers(theta, numbers, (0.01, 0.02)), None)
     deviations = {f"{one.effect.name}.{name}": interval for one in found for name, interval in one.deviations.items()}
     assert set(deviations) == set(columns)
     assert deviations["mass_change.factor"] == pytest.approx((0.2, 0.2 - 0.01645, 0.2 + 0.01645), rel=1e-3)
@@ -42,4 +42,4 @@ def test_the_other_cars_numbers_stand_in_the_file_with_their_intervals(tmp_path:
 
 
 def test_a_car_without_nominal_numbers_has_none() -> None:
-    assert numbers_of(_replay(), WrongVehicle(-np.inf, (), ()), None) == []
+    assert numbers_of(_replay(), None, None) == []
