@@ -70,14 +70,14 @@ def causes(search: Search, selection: Selection, alike: Sequence[LookAlikes], ph
             std[list(accepted.hypothesis.columns)] = 0.0  # stated by the hypothesis, not estimated
         effect = problem.replay.effects[accepted.hypothesis.effect]
         agreement = {column: consistency(parts, scaled, column) for column in accepted.hypothesis.columns}
-        of = {column: problem.replay.parameters[column] for column in accepted.hypothesis.columns}
+        own = {column: problem.replay.parameters[column] for column in accepted.hypothesis.columns}
         estimates = {
             parameter.name: _estimate(physical, column, deviations[column], std[column], parameter)
-            for column, parameter in of.items()
+            for column, parameter in own.items()
         }
         at_end = [
             parameter.name
-            for column, parameter in of.items()
+            for column, parameter in own.items()
             if accepted.hypothesis.value is None and _is_at_end(deviations[column], parameter)
         ]
         held_out = dict(zip(names, (float(value) for value in accepted.held_out.differences), strict=True))

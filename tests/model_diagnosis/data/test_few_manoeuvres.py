@@ -26,7 +26,7 @@ def test_no_fault_is_made_up_of_what_one_or_two_manoeuvres_do_not_show(seed: int
     """Straight stops that sway tell no lag of the lateral acceleration, noise of a brake at rest no unit, slip of a
     driven axle in a turn no swap of its wheels, a steady torque no sign, a steady coast no clock.
 
-    In 11 of these 21 choices of seed 407 something was named before a motion was asked for.
+    Where a chance correlation counts, 11 of these 21 choices of seed 407 have something.
     """
     vehicle, manoeuvres = hidden_logs(tmp_path, seed, NAMES)
     chosen = [picked for count in (1, 2) for picked in combinations(range(len(NAMES)), count)]
