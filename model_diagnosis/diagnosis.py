@@ -346,6 +346,8 @@ class _Pipeline:
 
         A scatter says how far a file may be off: what is inside is no cause, and still better known now.
         """
+        if self.held_out is None:
+            return (None if wrong is None else wrong.numbers), None
         inside = numbers_within_scatter(search.problem, selection.linearisation, selection.nothing.theta)
         if wrong is not None and wrong.numbers is not None:
             return wrong.numbers, gain_of_numbers(inside.theta, wrong.numbers.theta, self.held_out, self.seed)

@@ -15,7 +15,7 @@ from model_diagnosis.data.faults import joined
 from model_diagnosis.data.geometry import Geometry
 from model_diagnosis.data.lags import COARSE_BAND_HZ, FINE_BAND_HZ, Lag, find_lag
 from model_diagnosis.data.samples import BoolArray, FloatArray
-from model_diagnosis.data.twins import Twin, band, has_moved, members, moves, reached, slope, twins_of
+from model_diagnosis.data.twins import Twin, band, members, moved_by, moves, reached, slope, twins_of
 from model_diagnosis.data.unit_checks import CORRELATED
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
@@ -106,7 +106,7 @@ def _own_relations(manoeuvres: Sequence[Manoeuvre], replayed: Sequence[Manoeuvre
             continue
         own = [_course(one, names) for one, _, names in pairs]
         valid = [np.all([reached(one, name) for name in names], axis=0) for one, _, names in pairs]
-        if not any(has_moved(*each) for each in zip(own, valid, strict=True)):
+        if not any(moved_by(*each) for each in zip(own, valid, strict=True)):
             continue
         lag = find_lag(
             own,

@@ -17,7 +17,7 @@ from model_diagnosis.data.low_pass import first_order, least_between, named_and_
 from model_diagnosis.data.replayed import ReplayFactory, replayed_manoeuvres
 from model_diagnosis.data.samples import BoolArray, FloatArray
 from model_diagnosis.data.twin_kinds import LEAST_OF
-from model_diagnosis.data.twins import has_moved
+from model_diagnosis.data.twins import moved_by
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
 from vehicle_model.vehicle_file import VehicleFile
@@ -111,7 +111,7 @@ def _is_told(name: str, manoeuvre: Manoeuvre, replayed: Manoeuvre) -> bool:
     """
     sides = manoeuvre.channels[name], replayed.channels[name]
     everywhere = np.ones(manoeuvre.samples, dtype=bool)
-    return all(has_moved(side, everywhere, LEAST_OF[name]) for side in sides) and follows(*sides, _FOLLOWS)
+    return all(moved_by(side, everywhere) > LEAST_OF[name] for side in sides) and follows(*sides, _FOLLOWS)
 
 
 def _refitted(

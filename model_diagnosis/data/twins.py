@@ -36,6 +36,9 @@ _USUAL_UNDERSTEER_S2_M = 0.002
 _REACH_S = 0.25
 _SLOW_HZ = 2.0
 _WORK_M_S2, _SLIPPING_M_S2 = 0.3, 1.5
+"""The second makes an axle slip by 1.5 %: a tenth of it more on one side is 0.02 rad/s of the wheels' difference at
+20 m/s, twice the least yaw rate that counts."""
+
 LEAST_SAMPLES = 30
 """Valid samples (0.3 s) below which a level or a spread says nothing."""
 
@@ -180,24 +183,19 @@ def moves(twin: Twin, course: Callable[[FloatArray], FloatArray] | None = None) 
     What counts as change is a series' ``course``, without one what is below 2 Hz. Straight on, at a steady speed or off
     the pedal a chance correlation is as good as any. The other side may be in another unit.
     """
-    return any(
-        all(has_moved(side, valid, 0.0, course) for side in (left, right))
-        and any(has_moved(side, valid, twin.kind.least, course) for side in (left, right))
-        for left, right, valid in zip(twin.left, twin.right, twin.valid, strict=True)
-    )
+    for left, right, valid in zip(twin.left, twin.right, twin.valid, strict=True):
+        spreads = [moved_by(side, valid, course) for side in (left, right)]
+        if min(spreads) > 0.0 and max(spreads) >= twin.kind.least:
+            return True
+    return False
 
 
-def has_moved(
-    values: FloatArray,
-    valid: BoolArray,
-    least: float = 0.0,
-    course: Callable[[FloatArray], FloatArray] | None = None,
-) -> bool:
-    """True where a series (n,) changes slowly by more than its noise and by at least so much."""
+def moved_by(values: FloatArray, valid: BoolArray, course: Callable[[FloatArray], FloatArray] | None = None) -> float:
+    """Spread of the slow changes of a series (n,); 0 where it is no more than noise makes."""
     if valid.sum() <= LEAST_SAMPLES:
-        return False
-    changes = (course or slow)(values)[valid]
-    return float(np.std(changes)) > max(_BEYOND_NOISE * noise_of(values), least)
+        return 0.0
+    spread = float(np.std((course or slow)(values)[valid]))
+    return spread if spread > _BEYOND_NOISE * noise_of(values) else 0.0
 
 
 def _paced(kind: TwinKind, group: str) -> TwinKind:

@@ -26,7 +26,8 @@ INCONSISTENT_PER_MANOEUVRE = 6.0
 """Mean squared difference between manoeuvres, in units of their own std, beyond which a remark is made."""
 
 LEAST_PROBABLE = 0.05
-"""Probability in its own place, look-alikes included, below which an accepted effect is no cause."""
+"""Probability in its own place, look-alikes included, below which an accepted effect is no cause: odds of 19 to 1
+are against it."""
 
 Physical = Callable[[int, float], tuple[float, str, float]]
 """Column and deviation to physical value, unit and nominal value."""

@@ -233,7 +233,9 @@ def _infer(
     brake_share = pads / max(float(np.sum(pads)), 1e-12)
     if "longitudinal_acceleration" in channels:
         pitch = np.where(acceleration > 0.0, _pitch(car, drive_share, "drive"), _pitch(car, brake_share, "brake"))
-        acceleration = acceleration / (1.0 + car["accelerometer_leaning"] * GRAVITY * pitch)
+        leaning = float(car["accelerometer_leaning"])
+        # what is levelled reads neither the body's lean nor the road's, and the drive climbs the road all the same
+        acceleration = acceleration / (1.0 + leaning * GRAVITY * pitch) + (1.0 - leaning) * GRAVITY * car["grade"]
     along = speed + car["wind_along"]
     force = car["mass"] * acceleration + car["drag"] * np.abs(along) * along
     torque = force * radius + acceleration * np.sum(car["spin_inertia"]) / radius + _losses(car, speed, radius)
