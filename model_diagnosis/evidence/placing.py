@@ -4,7 +4,7 @@ A step of friction is told by what it does at each of some places, to first orde
 One replay of a place stands for every manoeuvre that may have the step for itself, and for all together.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,10 @@ FloatArray = NDArray[np.float64]
 
 TRIED_LEVEL = -0.2
 """Level, in widths of its prior, whose change of the residuals stands for the sensitivity at a place."""
+
+
+_CLOSER = (0.5, 0.25, 0.125)
+"""Shares of the distance between places at which the best one is looked at: a fit ends in a kink some metres off."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +67,13 @@ def placed_pair(replay: ReplayModel, hypothesis: Hypothesis) -> PlacedPair | Non
     return None
 
 
-def best_places(problem: Problem, stage: Stage, pairs: Mapping[int, PlacedPair]) -> dict[int, Place]:
-    """For each pair the place from which a level explains most beside what is accepted; pairs of one effect."""
+def best_places(
+    problem: Problem, stage: Stage, pairs: Mapping[int, PlacedPair], worth: float = -np.inf
+) -> dict[int, Place]:
+    """For each pair the place from which a level explains most beside what is accepted; pairs of one effect.
+
+    Places lie ``trial_step`` apart; where the best one's evidence is above ``worth`` they are looked at closer.
+    """
     if not pairs:
         return {}
     level, place = next(iter(pairs.values())).everywhere
@@ -75,17 +84,27 @@ def best_places(problem: Problem, stage: Stage, pairs: Mapping[int, PlacedPair])
     rows = problem.rows(theta)
     base = problem.quadratic(stage.linearisation, rows, theta)
     found: dict[int, Place] = {}
-    for value in np.arange(parameter.low, parameter.high + 0.5 * parameter.trial_step, parameter.trial_step):
+
+    def look_at(value: float, numbers: Iterable[int]) -> None:
         tried = theta.copy()
         tried[level], tried[place] = theta[level] + TRIED_LEVEL * problem.scale[level], value
         changes = _changes(problem, stage, rows, problem.rows(tried))
-        for number, pair in pairs.items():
+        for number in numbers:
+            pair = pairs[number]
             own = changes if pair.manoeuvre is None else changes[pair.manoeuvre : pair.manoeuvre + 1]
             if not any(change.own for change in own):
                 continue
-            best = _at_place(problem, stage, problem.scaled(theta), base, own, pair.level, float(value))
+            best = _at_place(problem, stage, problem.scaled(theta), base, own, pair.level, value)
             if number not in found or best.evidence > found[number].evidence:
                 found[number] = best
+
+    for value in np.arange(parameter.low, parameter.high + 0.5 * parameter.trial_step, parameter.trial_step):
+        look_at(float(value), pairs)
+    for number in [one for one, coarse in found.items() if coarse.evidence > worth]:
+        for closer in _CLOSER:
+            middle = found[number].value
+            for value in (middle - closer * parameter.trial_step, middle + closer * parameter.trial_step):
+                look_at(float(np.clip(value, parameter.low, parameter.high)), [number])
     return found
 
 

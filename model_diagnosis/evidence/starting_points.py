@@ -117,7 +117,7 @@ class StartingPoints:
         pairs = {number: placed_pair(self.problem.replay, self.hypotheses[number]) for number in open_ones}
         pairs_there = {number: pair for number, pair in pairs.items() if pair is not None}
         found = []
-        for number, best in best_places(self.problem, stage, pairs_there).items():
+        for number, best in best_places(self.problem, stage, pairs_there, self.worth_a_refit).items():
             if best.evidence > self.worth_a_refit:
                 start = self.linear_start(best.quadratic, stage, number)
                 start[pairs_there[number].place] = best.value

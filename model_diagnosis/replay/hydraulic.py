@@ -61,7 +61,6 @@ _WHOLE = 1e-9
 _UNITS_KEPT = 64
 _TELLING_PA = 1e5
 """Change of a pressure within a sample that its sensor's noise does not hide: three deviations of a series sensor's."""
-_NOTHING_BETWEEN = np.zeros((0, SUBSTEPS, 4))
 
 HYDRAULIC_COLUMNS: Mapping[str, EffectParameter] = {
     column: parameter
@@ -215,47 +214,61 @@ class HydraulicReplay:
         noise : standard deviation of the measured pressures' noise [Pa]; up to three of it correct nothing
         least : (n, 4) least gains; zeros if left out
         """
+        least = np.zeros_like(valid) if least is None else least
+        return self._run(deviations, log, measured, valid, gain, least, _DEAD_BAND * noise)[0]
+
+    def _run(
+        self,
+        deviations: Mapping[str, float],
+        log: HydraulicLog,
+        measured: FloatArray,
+        valid: FloatArray,
+        gain: float,
+        least: FloatArray,
+        dead_band: float,
+        shape: tuple[int, int, int] = (0, SUBSTEPS, 4),
+    ) -> tuple[FloatArray, FloatArray]:
+        """Wheel pressures (n, 4) before each correction and, if asked for by ``shape``, those between samples."""
         master = log.master if log.master is not None else self.master(deviations, log)
         volume = deviations.get("brake_knock_back.volume", 0.0)
         throttled = deviations.get("form_return.lag", 0.0)
-        least = np.zeros_like(valid) if least is None else least
         # an implicit step: its slope at a lag of 0 is not 0, as that of an exponential would be
         return_kept = throttled / (throttled + STEP_S)
         changes = tuple((column, value) for column, value in deviations.items() if column in _PATHS)
-        total = np.zeros((len(master), 4))
-        out = np.empty_like(total)
+        total, total_between = np.zeros((len(master), 4)), np.zeros(shape)
+        out, between = np.empty_like(total), np.zeros(shape)
         # dead times of valves that nobody switches say nothing: one run instead of five
         for share, record in self._units(changes, log.switched, self.flows):
             hydraulic_run(
                 record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump,
                 log.cornering, log.behind_commands, log.behind_master, measured, valid, volume, return_kept, gain,
-                least, _DEAD_BAND * noise, _NOTHING_BETWEEN, out,
+                least, dead_band, between, out,
             )  # fmt: skip
             total += share * out
-        return total
+            total_between += share * between
+        return total, total_between
 
     def between_samples(
-        self, log: HydraulicLog, measured: FloatArray, valid: FloatArray, least: FloatArray
+        self,
+        deviations: Mapping[str, float],
+        log: HydraulicLog,
+        measured: FloatArray,
+        valid: FloatArray,
+        least: FloatArray,
     ) -> FloatArray:
         """Pressures (n, SUBSTEPS, 4) [Pa] beside the straight lines between samples, in the middle of the car's steps.
 
-        Valves switch within a sample. The vehicle's own unit tells the course; where its change over a sample is not
-        the measured one, it has switched at another instant or not at all, and tells so much the less.
+        Valves switch within a sample. The unit tells the course; where its change over a sample is not the measured
+        one, it has switched at another instant or not at all, and tells so much the less.
 
         Parameters
         ----------
+        deviations : of the unit's numbers, by column
         measured, valid : (n, 4) wheel pressures [Pa], 1 where they hold
         least : (n, 4) least gains
         """
         shape = len(measured), SUBSTEPS, 4
-        between, out = np.zeros(shape), np.empty((len(measured), 4))
-        master = log.master if log.master is not None else self.master({}, log)
-        ((_, record),) = self._units((), False, self.flows)
-        hydraulic_run(
-            record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump,
-            log.cornering, log.behind_commands, log.behind_master, measured, valid, 0.0, 0.0, 1.0,
-            least, 0.0, between, out,
-        )  # fmt: skip
+        out, between = self._run(deviations, log, measured, valid, 1.0, least, 0.0, shape)
         off = np.zeros_like(out)
         off[1:] = valid[1:] * np.abs(measured[1:] - out[1:])
         moved = np.abs(np.diff(out, axis=0, prepend=out[:1]))

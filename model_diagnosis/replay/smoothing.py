@@ -1,9 +1,10 @@
 """Inputs of the replay without their sensors' noise.
 
 What drives the replay goes through valves that let fluid one way and pads that only press: both make a mean pressure
-out of noise, so that a noisy input drives another car than the one that was measured. Each sample is the middle of the
-straight line through the widest window about it that the noise alone explains (Lepski's rule for the width); flanks
-keep every sample.
+out of noise, so that a noisy input drives another car than the one that was measured. A course of straight lines with
+corners and jumps is taken for what it is. One that bends from sample to sample, as in an ABS stop, is no such course:
+there each sample is the middle of the straight line through the widest window about it that the noise alone explains
+(Lepski's rule for the width), and flanks keep every sample.
 """
 
 from functools import lru_cache
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from scipy.stats import chi2
 
+from model_diagnosis.replay.broken_lines import LEAST_SAMPLES, broken_lines
 from model_diagnosis.replay.record import COASTING_NM
 
 FloatArray = NDArray[np.float64]
@@ -22,6 +24,9 @@ HALF_WIDTHS = (2, 4, 8, 16)
 
 _ALLOWED_SPREADS = 3.0
 """Standard deviations of a chi-square over its freedoms, up to which noise explains the residual variance."""
+
+_MORE = 1.05
+"""Share of the noise beyond which straight lines leave more than noise."""
 
 _LEAST_PRESSURE = 0.5
 """Share of the noise below which a pressure is none: three deviations of the mean over the widest window."""
@@ -70,11 +75,17 @@ def noise_of(values: FloatArray) -> float:
 
 
 def without_noise(values: FloatArray) -> FloatArray:
-    """Samples (n,) without noise; those of a flank, where a straight line does not fit, stay as they are."""
+    """Samples (n,) without noise, corners and jumps as they are."""
     noise = noise_of(values)
+    course: FloatArray = np.array(values, dtype=np.float64)
+    if noise > 0.0 and len(values) >= LEAST_SAMPLES and broken_lines(course.copy(), noise, course) > _MORE * noise:
+        return _by_windows(values, noise)
+    return course
+
+
+def _by_windows(values: FloatArray, noise: float) -> FloatArray:
+    """Samples (n,) without noise; those of a flank, where a straight line does not fit, stay as they are."""
     kept: FloatArray = values.copy()
-    if noise == 0.0:
-        return kept
     growing = np.ones(len(values), dtype=np.bool_)
     for half in HALF_WIDTHS:
         if len(values) <= 2 * half:
@@ -97,10 +108,14 @@ def pressure_without_noise(values: FloatArray) -> FloatArray:
 @lru_cache(maxsize=_KEPT)
 def _quiet_pressure(samples: bytes) -> FloatArray:
     values = np.frombuffer(samples)
-    quiet, noise = without_noise(values), noise_of(values)
-    resting = median_filter(values, 2 * HALF_WIDTHS[-1] + 1, mode="reflect") < _LARGEST_MEDIAN * noise
-    quiet[(quiet < _LEAST_PRESSURE * noise) | (resting & (values < _LARGEST_PEAK * noise))] = 0.0
-    return quiet
+    return without_traces(values, without_noise(values), noise_of(values))
+
+
+def without_traces(measured: FloatArray, pressure: FloatArray, noise: float) -> FloatArray:
+    """Pressure (n,) that is exactly 0 where a measured one is not told from its noise."""
+    resting = median_filter(measured, 2 * HALF_WIDTHS[-1] + 1, mode="reflect") < _LARGEST_MEDIAN * noise
+    traces = (pressure < _LEAST_PRESSURE * noise) | (resting & (measured < _LARGEST_PEAK * noise))
+    return np.where(traces, 0.0, pressure)
 
 
 def torque_without_noise_at_rest(values: FloatArray) -> FloatArray:

@@ -7,8 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.effects.sensor_chain import true_inputs
+from model_diagnosis.replay.driving_pressures import driving_pressures, numbers_by_pressures
 from model_diagnosis.replay.gaps import begun_anew
 from model_diagnosis.replay.hydraulic import GAIN, HYDRAULIC_COLUMNS, HydraulicReplay
+from model_diagnosis.replay.inputs import with_pressures
 from model_diagnosis.replay.prepared import PRESSURES, Prepared
 from model_diagnosis.replay.sensors import own_noise
 from vehicle_model.vehicle_file import VehicleFile
@@ -19,6 +21,10 @@ _STEPS_SHARE = 0.5
 """Share of the misfit by flow that one by steps must not exceed: such a unit follows its own pressures to their noise.
 
 Its steps jump with deviations, and fits end before a jump."""
+
+
+_ORDINARY = {column: one for column, one in HYDRAULIC_COLUMNS.items() if one.ordinary_std > 0.0}
+"""Columns, and their parameters, in which every car's unit is off."""
 
 
 class WheelPressures:
@@ -59,7 +65,8 @@ class WheelPressures:
         by_flow = min(self._misfit(deviations, manoeuvres) for deviations in ({}, throttled))
         self.unit.flows = by_steps > _STEPS_SHARE * by_flow
         begun = [replace(one, pressure_least=self._least(one)) for one in manoeuvres]
-        return [replace(one, between=self._between(one)) for one in begun]
+        numbers = self._numbers(begun)
+        return [self._driven(numbers, one) for one in begun]
 
     def _misfit(self, deviations: Mapping[str, float], manoeuvres: Sequence[Prepared]) -> float:
         """Sum of squares of what the unit leaves of the measured pressures [Pa^2]."""
@@ -87,12 +94,30 @@ class WheelPressures:
 
         return begun_anew(off, prepared.pressure_least, self._noise)
 
-    def _between(self, prepared: Prepared) -> FloatArray:
-        """Pressures (n, SUBSTEPS, 4) beside the straight lines between samples [Pa]."""
-        log, measured = prepared.hydraulics, np.ascontiguousarray(prepared.inputs.values[:, :4])
-        if log is None or not log.switched:
-            return prepared.between
-        return self.unit.between_samples(log, measured, prepared.pressure_valid, prepared.pressure_least)
+    def _numbers(self, manoeuvres: Sequence[Prepared]) -> dict[str, float]:
+        """What the measured pressures tell of the unit's numbers; a unit that moves by steps jumps with them."""
+        telling = [one for one in manoeuvres if one.replays_pressures and one.inputs.values[:, :4].any()]
+        if not self.unit.flows or not telling:
+            return {}
+
+        def errors(deviations: Mapping[str, float]) -> FloatArray:
+            return np.concatenate([(one.pressure_valid * self._error(deviations, one)).ravel() for one in telling])
+
+        return numbers_by_pressures(errors, list(_ORDINARY), list(_ORDINARY.values()), self._noise)
+
+    def _driven(self, numbers: Mapping[str, float], prepared: Prepared) -> Prepared:
+        """The manoeuvre with the pressures that drive the car by a unit with these numbers."""
+        log = prepared.hydraulics
+        if log is None or not prepared.replays_pressures:
+            return prepared
+        by_unit = self.at(numbers, prepared)
+        assert by_unit is not None
+        measured = prepared.measured[:, _places(prepared)]
+        pressures = driving_pressures(measured, by_unit, prepared.pressure_valid)
+        between = self.unit.between_samples(numbers, log, pressures, prepared.pressure_valid, prepared.pressure_least)
+        driving = {**prepared.driving, **dict(zip(PRESSURES, pressures.T, strict=True))}
+        inputs = replace(prepared.inputs, values=with_pressures(prepared.inputs, driving))
+        return replace(prepared, driving=driving, inputs=inputs, between=between)
 
 
 def _places(prepared: Prepared) -> list[int]:

@@ -1,9 +1,13 @@
 """What drives the replay: noise is taken out of it, flanks are not."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
+from scipy.stats import norm
 
-from model_diagnosis.replay.smoothing import HALF_WIDTHS, noise_of, pressure_without_noise, without_noise
+from model_diagnosis.replay.broken_lines import broken_lines
+from model_diagnosis.replay.smoothing import noise_of, pressure_without_noise, without_noise
 
 NOISE = 3e4
 """A series pressure sensor's, Pa."""
@@ -34,12 +38,47 @@ def test_a_held_pressure_keeps_its_mean_behind_a_one_way_valve() -> None:
     assert abs(quiet.mean() - 1.8e6) < 0.1 * NOISE
 
 
-def test_the_widest_window_averages_all_its_samples() -> None:
+@pytest.mark.parametrize("seed", range(4))
+def test_courses_of_lines_are_weighed_as_by_trying_all_of_them(seed: int) -> None:
+    """Every way to cut nine samples, each line's level and slope integrated out on its own (a Gaussian integral)."""
+    rng = np.random.default_rng(seed)
+    values = np.where(np.arange(9) < 5, 0.0, 4.0) + rng.standard_normal(9)
+    levels = np.ptp(values)
+    slopes = max(1.0, 2.0 * np.max(np.abs(values[4:] - values[:-4])) / 4.0)
+    weights, courses = [], []
+    for cuts in (cuts for count in range(8) for cuts in combinations(range(1, 9), count)):
+        pieces = np.split(values, cuts)
+        if min(map(len, pieces)) < 2:
+            continue
+        weight, course = 1.0, []
+        for piece in pieces:
+            design = np.stack([np.ones(len(piece)), np.arange(len(piece))], axis=1)
+            line = design @ np.linalg.lstsq(design, piece)[0]
+            likely = np.prod(norm.pdf(piece - line)) * 2.0 * np.pi / np.sqrt(np.linalg.det(design.T @ design))
+            weight *= likely / (levels * slopes) * 0.95 ** (len(piece) - 1) * 0.05
+            course.extend(line)
+        weights.append(weight)
+        courses.append(course)
+    found = np.empty(9)
+    broken_lines(values, 1.0, found)
+    np.testing.assert_allclose(found, np.average(courses, axis=0, weights=weights), atol=1e-9)
+
+
+def test_a_ramp_keeps_its_corners() -> None:
+    """Nearly as well as by a line of its own for each piece, had one known where the pieces end."""
     rng = np.random.default_rng(3)
-    quiet = without_noise(NOISE * rng.standard_normal(20_000))
-    wide = 2 * HALF_WIDTHS[-1] + 1
-    # most samples are the mean of 33; where chance makes noise look like more, a narrower window stands
-    assert float(np.median(np.abs(quiet))) / 0.6745 == pytest.approx(NOISE / np.sqrt(wide), rel=0.15)
+    samples, corners = np.arange(400), (100, 130, 270, 300)
+    ramp = np.interp(samples, corners, (0.0, 3e6, 3e6, 0.0))
+    near = np.min(np.abs(samples[:, None] - np.array(corners)), axis=1) < 16
+    found, known = [], []
+    for _ in range(100):
+        noisy = ramp + NOISE * rng.standard_normal(400)
+        found.append(without_noise(noisy)[near] - ramp[near])
+        pieces = zip(np.split(samples, corners), np.split(noisy, corners), strict=True)
+        lines = np.concatenate([np.polyval(np.polyfit(*piece, 1), piece[0]) for piece in pieces])
+        known.append(lines[near] - ramp[near])
+    assert np.std(found) < 1.5 * np.std(known)
+    assert np.max(np.abs(np.mean(found, axis=0))) < 0.3 * NOISE  # windows of 33 samples round them by 1.0
 
 
 def test_flanks_of_an_abs_cycle_stay_as_they_are() -> None:
