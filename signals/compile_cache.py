@@ -8,6 +8,7 @@ change starts an empty cache, and an unchanged tree finds a warm one in every pr
 import os
 import sys
 from collections.abc import Sequence
+from functools import cache
 from importlib.abc import MetaPathFinder
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -60,14 +61,12 @@ def prepare_compile_cache() -> None:
     """Have ``NUMBA_CACHE_DIR`` set when numba is imported; packages with compiled code call this in their ``__init__``.
 
     Hashing the sources takes 50 ms, so it is left until something really imports numba: commands that compile nothing
-    do not pay. A folder that is already set in the environment is respected, so that child processes share their
-    parent's. Where somebody imported numba before, its setting is changed too: it reads the variable once, at its
-    import.
+    do not pay. A folder that is already set in the environment is where the hash's own folder is made; child processes
+    share their parent's. Where somebody imported numba before, its setting is changed too: it reads the variable once,
+    at its import.
     """
-    if os.environ.get("NUMBA_CACHE_DIR"):
-        return
     if "numba" in sys.modules:
-        sys.modules["numba"].config.CACHE_DIR = _set_folder()
+        sys.modules["numba"].config.CACHE_DIR = str(compile_folder())
     elif not any(isinstance(finder, _BeforeNumba) for finder in sys.meta_path):
         sys.meta_path.insert(0, _BeforeNumba())
 
@@ -79,16 +78,19 @@ class _BeforeNumba(MetaPathFinder):
         """Called for every import that is not yet loaded."""
         if fullname == "numba":
             sys.meta_path.remove(self)
-            _set_folder()
+            compile_folder()
 
 
 def compile_folder() -> Path:
-    """Folder of the compiled code, set for this process and its children if nobody has set it."""
-    return Path(os.environ.get("NUMBA_CACHE_DIR") or _set_folder())
-
-
-def _set_folder() -> str:
-    folder = str(cache_root() / "compiled" / source_hash(Path(__file__).resolve().parent.parent))
+    """Folder of the compiled code, set for this process and its children."""
     # an empty variable counts as none: numba would cache beside the sources, and reuse stale callees
-    os.environ["NUMBA_CACHE_DIR"] = os.environ.get("NUMBA_CACHE_DIR") or folder
-    return os.environ["NUMBA_CACHE_DIR"]
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    base, own = Path(given) if given else cache_root() / "compiled", _own_name()
+    folder = base if own in base.parts else base / own
+    os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    return folder
+
+
+@cache
+def _own_name() -> str:
+    return source_hash(Path(__file__).resolve().parent.parent)

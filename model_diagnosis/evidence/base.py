@@ -3,7 +3,7 @@
 Source: model discrepancy anchor, section 3.4.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,6 +46,10 @@ LEAST_TOLD = 0.02
 show neither form the two differ by 0.001 (measured)."""
 
 
+LEAST_LOWER = 2.0
+"""Cost by which "nothing" must fit better in a form than in the vehicle file's own: e times as likely."""
+
+
 @dataclass(frozen=True)
 class Base:
     """Where the search starts.
@@ -69,11 +73,13 @@ def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = No
     """Fit base and saturated model, the latter from two starts, and whiten by what the saturated one leaves.
 
     Five to seven sweeps of sensitivities: at neutral for each form (up to three more of each where both come near), at
-    the base fit, at the saturated fit, and at the base fit again until it has converged.
+    the base fit, at the saturated fit, and at the base fit again until it has converged. Where that tells no form, two
+    to four more in the other one.
     """
     tell = progress or (lambda _step, _share: None)
     tell("sensitivities at the vehicle file", 0.0)
-    crude, at_file, chord, nothing = nearer_form(replay, priors)
+    every_form = forms(replay, priors)
+    crude, at_file, chord, nothing, is_told = nearer_form(replay, every_form)
     priors, neutral = crude.priors, chord.theta
     saturated, whitener = _saturated_from_two_starts(crude, chord, (nothing.theta, neutral))
     tell("sensitivities at the base fit", 0.4)
@@ -97,7 +103,31 @@ def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = No
     at_saturated = _cooled(at_saturated, problem)
     nothing, at_nothing = _converged(problem, _cooled(at_nothing, problem), nothing)
     saturated = problem.fit(at_saturated, priors.saturated(), saturated.theta)
+    base = Base(problem, nothing, saturated, at_nothing, at_saturated)
+    for other in () if is_told else every_form:
+        base = _in_form(base, other)
     tell("base", 1.0)
+    return base
+
+
+def _in_form(base: Base, priors: Priors) -> Base:
+    """The base in another form where "nothing" fits better in it; else as it is.
+
+    A form that crude fits do not tell apart can still be told by a few units of cost, as in a single manoeuvre; in the
+    wrong one they are evidence for whatever effect stands in for the right one.
+    """
+    problem = replace(base.problem, priors=priors)
+    if np.array_equal(priors.centre, base.problem.priors.centre):
+        return base
+    held = priors.low == priors.high
+    start = np.where(held, priors.centre, base.nothing.theta)
+    chord = problem.linearise(start)
+    nothing, at_nothing = _converged(problem, chord, problem.fit(chord, priors.nuisance, start))
+    if nothing.cost > base.nothing.cost - LEAST_LOWER:
+        return base
+    start = np.where(held, priors.centre, base.saturated.theta)
+    at_saturated = problem.linearise(start)
+    saturated = problem.fit(at_saturated, priors.saturated(), start)
     return Base(problem, nothing, saturated, at_nothing, at_saturated)
 
 
@@ -118,7 +148,9 @@ def _held(priors: Priors, column: int, value: float) -> Priors:
     return replace(priors, centre=centre, nuisance=nuisance, low=low, high=high)
 
 
-def nearer_form(replay: ReplayModel, priors: Priors) -> tuple[Problem, list[FloatArray], Linearisation, Fit]:
+def nearer_form(
+    replay: ReplayModel, every_form: Sequence[Priors]
+) -> tuple[Problem, list[FloatArray], Linearisation, Fit, bool]:
     """Problem with the form whose crude fit comes nearer, sensitivities at the vehicle file, and a fit of "nothing".
 
     The vehicle file's own form stays where no other one comes clearly nearer, as on drives that show neither. What
@@ -127,10 +159,11 @@ def nearer_form(replay: ReplayModel, priors: Priors) -> tuple[Problem, list[Floa
 
     Returns
     -------
-    problem with the sensors' own whitening, sensitivities and linearisation at the vehicle file, fit of "nothing"
+    problem with the sensors' own whitening, sensitivities and linearisation at the vehicle file, fit of "nothing", and
+    True where the form is beyond doubt
     """
     found, fits = [], []
-    for one in forms(replay, priors):
+    for one in every_form:
         neutral = np.clip(one.centre, one.low, one.high)
         crude = Problem(replay, one, sensor_whitener(replay))
         at_file = replay.sensitivities(neutral)
@@ -147,12 +180,15 @@ def nearer_form(replay: ReplayModel, priors: Priors) -> tuple[Problem, list[Floa
     rows = sum(len(weights) for weights in found[0][-1].weights)
     saved = fits[0].cost - fits[nearest].cost
     is_told = saved > max((1.0 - CLEARLY_LOWER) * fits[0].cost, LEAST_TOLD * rows)
+    lost = min((fit.cost for fit in fits[1:]), default=np.inf) - fits[0].cost
+    is_own = lost > max((1.0 - CLEARLY_LOWER) * (fits[0].cost + lost), LEAST_TOLD * rows)
     crude, at_file, chord = found[nearest if is_told else 0]
     return (
         crude,
         at_file,
         chord,
         crude.fit(chord, crude.priors.nuisance, chord.theta, steps=CRUDE_STEPS, is_rough=True),
+        is_told or is_own,
     )
 
 

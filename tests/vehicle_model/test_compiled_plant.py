@@ -61,10 +61,12 @@ def copy_of_the_sources(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_a_changed_callee_in_another_file_is_noticed(copy_of_the_sources: Path) -> None:
+@pytest.mark.parametrize("variable", ["XDG_CACHE_HOME", "NUMBA_CACHE_DIR"])
+def test_a_changed_callee_in_another_file_is_noticed(copy_of_the_sources: Path, variable: str) -> None:
+    """Also where the user, or another program in the same process, has said where compiled code is kept."""
     folder = copy_of_the_sources
     environment = {name: value for name, value in os.environ.items() if name not in ("NUMBA_CACHE_DIR", "PYTHONPATH")}
-    environment["XDG_CACHE_HOME"] = str(folder / "cache")
+    environment[variable] = str(folder / "cache")
     before = float(_run(CALLEE, folder, environment))
     assert float(_run(CALLEE, folder, environment)) == before
     callee = folder / "vehicle_model" / "tyres" / "curves.py"

@@ -29,12 +29,13 @@ FORM_DIFFERENCES = (
 
 def _compile_cache() -> None:
     """A cache of compiled code per state of these sources: numba's own does not see a changed callee."""
-    if "numba" in sys.modules:
-        return
     here = Path(__file__).parent
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in sorted(here.glob("*.py")))).hexdigest()[:16]
     base = Path(os.environ.get("NUMBA_CACHE_DIR") or Path.home() / ".cache" / "hidden_effects")
-    os.environ["NUMBA_CACHE_DIR"] = str(base / f"hidden_effects_{digest}")
+    own = f"hidden_effects_{digest}"
+    os.environ["NUMBA_CACHE_DIR"] = str(base if own in base.parts else base / own)
+    if "numba" in sys.modules:  # it has read the variable at its import
+        sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
 
 _compile_cache()

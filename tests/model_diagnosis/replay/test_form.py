@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "data"))
 from hidden_car import hidden_logs
 
 from model_diagnosis.effects.form import FORM_NAMES, REPLAYED
-from model_diagnosis.evidence.base import fit_base, nearer_form
+from model_diagnosis.evidence.base import fit_base, forms, nearer_form
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S
 from model_diagnosis.replay import Replay
@@ -55,7 +55,7 @@ def test_rest_of_another_loggers_clock_is_told(car: VehicleFile, replay: Replay)
 
 
 def _share(replay: Replay) -> float:
-    crude = nearer_form(replay, Priors.of(replay.parameters))[0]
+    crude = nearer_form(replay, forms(replay, Priors.of(replay.parameters)))[0]
     place = replay.columns.index(SHARE)
     assert crude.priors.low[place] == crude.priors.high[place]
     return float(crude.priors.centre[place])
@@ -63,6 +63,7 @@ def _share(replay: Replay) -> float:
 
 def test_transient_of_the_bench_own_plant_is_that_of_the_replay(replay: Replay) -> None:
     assert _share(replay) == 0.0
+    assert fit_base(replay, Priors.of(replay.parameters)).problem.priors.centre[replay.columns.index(SHARE)] == 0.0
 
 
 @pytest.mark.parametrize("late_s", [0.0, 0.003])
@@ -74,6 +75,15 @@ def test_transient_on_the_force_is_told_from_one_on_the_slip(hidden: Replay, lat
         late = {name: np.interp(one.time - late_s, one.time, speed) for name, speed in wheels.items()}
         manoeuvres.append(replace(one, channels={**one.channels, **late}))
     assert _share(Replay(hidden.vehicle, manoeuvres)) == 1.0
+
+
+def test_a_single_drive_tells_the_transient_by_a_few_units(tmp_path: Path) -> None:
+    """Crude fits leave it open; in the wrong form a third more inertia of the wheels has 13 units of log evidence."""
+    vehicle, manoeuvres = hidden_logs(tmp_path, 1154, ("accelerate_and_brake",))
+    replay = Replay(vehicle, manoeuvres)
+    assert _share(replay) == 0.0
+    base = fit_base(replay, Priors.of(replay.parameters))
+    assert base.problem.priors.centre[replay.columns.index(SHARE)] == 1.0
 
 
 @pytest.mark.nightly
