@@ -268,7 +268,7 @@ class _Pipeline:
             [one.columns for one in hypotheses],
             np.random.default_rng(self.seed),
         )
-        needed = threshold(maxima, int(excited.sum()))
+        needed = threshold(maxima, int(excited.sum()), len(self.replay.manoeuvres))
         return Search(base.problem, hypotheses, needed - REFIT_MARGIN), needed
 
     def _causes(self, search: Search, selector: Selector, selection: Selection) -> tuple[Selection, list[CauseDetail]]:

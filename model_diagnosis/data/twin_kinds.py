@@ -10,7 +10,8 @@ LEAST_OF = {
     "yaw_rate": _LEAST_RAD_S,
 }
 """Spreads below which a car moves by itself: a straight stop with ABS sways by 0.13 m/s² and 0.007 rad/s, and steering
-takes 0.13 m/s of a car that coasts."""
+takes 0.13 m/s of a car that coasts. Two of some thirty such stops swayed by more than 0.2 m/s²: wheels that slip tell no
+delay between lateral acceleration and yaw rate."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,7 @@ AY_YAW = TwinKind(
     0.15,
     0.03,
     usual_lag_s=-0.01,
+    gentle=True,
     least=_LEAST_M_S2,
 )
 YAW_WHEELS = TwinKind(

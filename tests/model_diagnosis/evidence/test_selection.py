@@ -42,7 +42,7 @@ def _search(car: LinearCar) -> tuple[Search, Selection]:
         np.random.default_rng(0),
     )
     search = Search(base.problem, hypotheses)
-    selection = Selector(search, threshold(maxima, COLUMNS)).run(base.nothing, base.at_nothing, base.at_saturated)
+    selection = Selector(search, threshold(maxima, COLUMNS, 6)).run(base.nothing, base.at_nothing, base.at_saturated)
     return search, selection
 
 

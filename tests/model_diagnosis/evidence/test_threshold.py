@@ -26,8 +26,13 @@ def test_bootstrap_from_the_information_equals_simulating_the_data() -> None:
 
 
 def test_threshold_is_never_below_the_price_of_the_search() -> None:
-    assert threshold(np.zeros(100), 75) == pytest.approx(np.log(20.0) + 0.5 * np.log(75.0))
-    assert threshold(np.full(100, 9.0), 75) == pytest.approx(9.0)
+    assert threshold(np.zeros(100), 75, 6) == pytest.approx(np.log(20.0) + 0.5 * np.log(75.0))
+    assert threshold(np.full(100, 9.0), 75, 6) == pytest.approx(9.0)
+
+
+def test_few_manoeuvres_ask_for_what_errors_of_form_make_of_healthy_cars() -> None:
+    """Healthy cars of the generator reached 8.8 where the bootstrap asks for 5.5."""
+    assert threshold(np.full(100, 5.5), 75, 3) < 8.8 < threshold(np.full(100, 5.5), 75, 2)
 
 
 def test_probabilities_are_those_of_bayes_rule_with_equal_priors() -> None:
