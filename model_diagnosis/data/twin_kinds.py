@@ -10,8 +10,8 @@ LEAST_OF = {
     "yaw_rate": _LEAST_RAD_S,
 }
 """Spreads below which a car moves by itself: a straight stop with ABS sways by 0.13 m/s² and 0.007 rad/s, and steering
-takes 0.13 m/s of a car that coasts. Two of some thirty such stops swayed by more than 0.2 m/s²: wheels that slip tell no
-delay between lateral acceleration and yaw rate."""
+takes 0.13 m/s of a car that coasts. Two of some thirty such stops swayed by more than 0.2 m/s²: wheels that slip tell
+no delay between lateral acceleration and yaw rate."""
 
 
 @dataclass(frozen=True)

@@ -104,7 +104,8 @@ def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = No
     nothing, at_nothing = _converged(problem, _cooled(at_nothing, problem), nothing)
     saturated = problem.fit(at_saturated, priors.saturated(), saturated.theta)
     base = Base(problem, nothing, saturated, at_nothing, at_saturated)
-    for other in () if is_told else every_form:
+    # wheels that follow an inferred force tell nothing of how their tyres do
+    for other in every_form if not is_told and replay.forces_measured else ():
         base = _in_form(base, other)
     tell("base", 1.0)
     return base

@@ -22,6 +22,10 @@ class ReplayModel(Protocol):
     def manoeuvres(self) -> Sequence[Manoeuvre]:
         """The manoeuvres."""
 
+    @property
+    def forces_measured(self) -> bool:
+        """True where what drives and brakes the wheels was measured in every manoeuvre."""
+
     effects: tuple[Effect, ...]
     columns: tuple[str, ...]
     parameters: tuple[EffectParameter, ...]

@@ -31,9 +31,6 @@ FAR_BEHIND = 30.0
 """Cost by which a fit with the sensitivities at hand may lie above the best one's and still be fitted with new ones:
 those gain some units, and a cause that is 15 less likely in the logarithm comes to nothing."""
 
-_FRESH_LOOKS = 6
-"""Large deviations, and places above all, take several: the sensitivities where a fit begins do not lead it home."""
-
 RESTART_GAIN = 4.0
 """Cost that a restart of "nothing more" has to gain for everything to be fitted once more from there."""
 
@@ -133,10 +130,7 @@ class Search:
     def _refit_one(
         self, stage: Stage, candidate: Candidate, ahead: float = np.inf
     ) -> tuple[Fit, list[Quadratic], list[int]]:
-        """Best fit over the starts by chords, then with fresh columns as long as they gain much.
-
-        What is far behind the best cost is left as it is.
-        """
+        """Best fit over the starts by chords, then again with fresh columns unless it is far behind the best cost."""
         chosen = (*stage.accepted, candidate.hypothesis)
         fits = (self.fit_set(chosen, stage.linearisation, start, is_rough=True) for start in candidate.starts)
         best = min(fits, key=_cost)
@@ -144,13 +138,8 @@ class Search:
         if best.cost > ahead + FAR_BEHIND:
             rows = self.problem.rows(best.theta)
             return best, self.problem.quadratics(stage.linearisation, rows, best.theta), columns
-        fit = best
-        for _ in range(_FRESH_LOOKS):
-            before = fit.cost
-            linearisation = self.problem.refreshed(stage.linearisation, fit.theta, columns)
-            fit = self.fit_set(chosen, linearisation, fit.theta, is_rough=True)
-            if before - fit.cost < FAR_BEHIND:
-                break
+        linearisation = self.problem.refreshed(stage.linearisation, best.theta, columns)
+        fit = self.fit_set(chosen, linearisation, best.theta, is_rough=True)
         return fit, self.problem.quadratics(linearisation, self.problem.rows(fit.theta), fit.theta), columns
 
     def _catch_up(self, stage: Stage, fits: dict[Hypothesis, tuple[Fit, list[Quadratic], list[int]]]) -> bool:

@@ -118,6 +118,11 @@ class Replay(ReplayBase):
         self._known = [deque[Parts](maxlen=_PARTS_KEPT) for _ in self.prepared]
         self._inputs = [deque[tuple[Key, FloatArray]](maxlen=_PARTS_KEPT) for _ in self.prepared]
 
+    @property
+    def forces_measured(self) -> bool:
+        """True where what drives and brakes the wheels was measured in every manoeuvre."""
+        return all(prepared.inputs.forces_measured for prepared in self.prepared)
+
     def with_terms(self, terms: Sequence[TermCourse]) -> "Replay":
         """The same with columns of these terms behind all others."""
         other = copy(self)

@@ -70,6 +70,11 @@ class RigReplay(ReplayBase):
         super().__init__(vehicle, straight, columns, nominal_car(vehicle, load), threads)
         self.prepared: Sequence[RigLog] = logs
 
+    @property
+    def forces_measured(self) -> bool:
+        """True: the slips that drive a rig's wheel are measured, and its forces are what is compared."""
+        return True
+
     def predict(self, theta: FloatArray, m: int) -> FloatArray:
         """Forces (n, c) [N], as the rig's sensors report them."""
         return self._forces(self.deviations_at(theta, m), self.prepared[m])
