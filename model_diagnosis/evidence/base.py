@@ -181,8 +181,8 @@ def nearer_form(
     rows = sum(len(weights) for weights in found[0][-1].weights)
     saved = fits[0].cost - fits[nearest].cost
     is_told = saved > max((1.0 - CLEARLY_LOWER) * fits[0].cost, LEAST_TOLD * rows)
-    lost = min((fit.cost for fit in fits[1:]), default=np.inf) - fits[0].cost
-    is_own = lost > max((1.0 - CLEARLY_LOWER) * (fits[0].cost + lost), LEAST_TOLD * rows)
+    second = min((fit.cost for fit in fits[1:]), default=np.inf)
+    is_own = CLEARLY_LOWER * second > fits[0].cost and second - fits[0].cost > LEAST_TOLD * rows
     crude, at_file, chord = found[nearest if is_told else 0]
     return (
         crude,
