@@ -14,7 +14,7 @@ from model_diagnosis.evidence.fitting import Fit, Linearisation, Problem
 from model_diagnosis.evidence.groups import canonical_correlation
 from model_diagnosis.evidence.quadratic import widening
 from model_diagnosis.evidence.stage import ratios
-from model_diagnosis.evidence.whitening import huber_weights
+from model_diagnosis.huber import huber_weights
 from model_diagnosis.replay.replay import Replay
 
 FloatArray = NDArray[np.float64]

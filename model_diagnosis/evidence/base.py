@@ -45,7 +45,6 @@ LEAST_TOLD = 0.02
 """Cost per row that the lower form must save: the sensors' own noise costs 1, and on drives of the bench's plant that
 show neither form the two differ by 0.001 (measured)."""
 
-
 LEAST_LOWER = 2.0
 """Cost by which "nothing" must fit better in a form than in the vehicle file's own: e times as likely."""
 
@@ -117,9 +116,9 @@ def _in_form(base: Base, priors: Priors) -> Base:
     A form that crude fits do not tell apart can still be told by a few units of cost, as in a single manoeuvre; in the
     wrong one they are evidence for whatever effect stands in for the right one.
     """
-    problem = replace(base.problem, priors=priors)
     if np.array_equal(priors.centre, base.problem.priors.centre):
         return base
+    problem = replace(base.problem, priors=priors)
     held = priors.low == priors.high
     start = np.where(held, priors.centre, base.nothing.theta)
     chord = problem.linearise(start)

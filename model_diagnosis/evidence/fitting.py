@@ -17,7 +17,8 @@ from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.replay_model import ReplayModel
 from model_diagnosis.evidence.side_by_side import side_by_side
-from model_diagnosis.evidence.whitening import Whitener, huber_loss, huber_weights
+from model_diagnosis.evidence.whitening import Whitener
+from model_diagnosis.huber import huber_loss, huber_weights
 from model_diagnosis.replay.hydraulic import acts_on_pressures
 
 FloatArray = NDArray[np.float64]

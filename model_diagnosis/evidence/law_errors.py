@@ -16,7 +16,7 @@ from model_diagnosis.evidence.fitting import Linearisation, Problem
 from model_diagnosis.evidence.hypotheses import Hypothesis
 from model_diagnosis.evidence.quadratic import Quadratic, widening
 from model_diagnosis.evidence.stage import ratios
-from model_diagnosis.evidence.whitening import huber_weights
+from model_diagnosis.huber import huber_weights
 
 FloatArray = NDArray[np.float64]
 

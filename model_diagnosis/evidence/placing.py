@@ -16,7 +16,7 @@ from model_diagnosis.evidence.hypotheses import Hypothesis
 from model_diagnosis.evidence.quadratic import Quadratic, effect_evidence
 from model_diagnosis.evidence.replay_model import ReplayModel
 from model_diagnosis.evidence.stage import Stage, ratios
-from model_diagnosis.evidence.whitening import huber_weights
+from model_diagnosis.huber import huber_weights
 
 FloatArray = NDArray[np.float64]
 

@@ -23,6 +23,7 @@ from scipy.sparse import csr_array
 from model_diagnosis.evidence.replay_model import ReplayModel
 from model_diagnosis.evidence.side_by_side import side_by_side
 from model_diagnosis.evidence.whiten_kernel import whiten
+from model_diagnosis.huber import huber_weights
 from model_diagnosis.replay.gaps import GAP_STEPS, ends_of_gaps, pieces_of
 from model_diagnosis.replay.smoothing import noise_of
 from signals.wheels import WHEELS
@@ -41,7 +42,6 @@ OF_SPEED = ("speed", *(f"wheel_speed_{wheel}" for wheel in WHEELS))
 """Signals that the observer's speed is predicted in. Others err by its rate at most, and a regression on a slow sum
 finds what is not there."""
 
-HUBER_LIMIT = 3.0
 TEMPERATURE_BLOCK_SAMPLES = 50
 INFLATION_BLOCKS_SAMPLES = (20, 50)
 LOCAL_VARIANCES = 10
@@ -299,17 +299,6 @@ def form_inflation(innovations: FloatArray) -> float:
     local = [float(np.mean(part**2)) for part in np.array_split(innovations, LOCAL_VARIANCES) if len(part)]
     burst = max(1.0, float(np.sqrt(max(local, default=1.0))) / LOCAL_VARIANCE_ALLOWANCE)
     return slow * burst
-
-
-def huber_weights(whitened: FloatArray) -> FloatArray:
-    """Weights of iteratively reweighted least squares with Huber's loss, limit 3 standard deviations."""
-    return np.minimum(1.0, HUBER_LIMIT / np.maximum(np.abs(whitened), 1e-12))
-
-
-def huber_loss(whitened: FloatArray) -> float:
-    """Sum of Huber's loss, scaled so that it is the sum of squares within the limit."""
-    size = np.abs(whitened)
-    return float(np.sum(np.where(size <= HUBER_LIMIT, size**2, HUBER_LIMIT * (2.0 * size - HUBER_LIMIT))))
 
 
 def scatter(

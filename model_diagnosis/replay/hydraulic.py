@@ -236,9 +236,10 @@ class HydraulicReplay:
         return_kept = throttled / (throttled + STEP_S)
         changes = tuple((column, value) for column, value in deviations.items() if column in _PATHS)
         total, total_between = np.zeros((len(master), 4)), np.zeros(shape)
-        out, between = np.empty_like(total), np.zeros(shape)
+        out = np.empty_like(total)
         # dead times of valves that nobody switches say nothing: one run instead of five
         for share, record in self._units(changes, log.switched, self.flows):
+            between = np.zeros(shape)  # rows in which this unit rests are not written
             hydraulic_run(
                 record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump,
                 log.cornering, log.behind_commands, log.behind_master, measured, valid, volume, return_kept, gain,

@@ -13,7 +13,7 @@ from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Selector
 from model_diagnosis.evidence.stage import ratios
-from model_diagnosis.evidence.whitening import huber_weights
+from model_diagnosis.huber import huber_weights
 
 EFFECTS = [*(effect(f"e{number}") for number in range(5)), effect("tight", nuisance=0.004)]
 STRONG, TIGHT, YAW_RATE = 2, 5, 2

@@ -49,7 +49,7 @@ def test_flanks_and_abs_cycles_lose_most_of_the_noise(stops: tuple[VehicleFile, 
         raw, left = stacked(log) - true, prepared.inputs.values[:, :4] - true
         assert np.std(left[moving]) < 0.55 * np.std(raw[moving]), log.name
         assert np.std(left[~moving]) < 0.35 * np.std(raw[~moving]), log.name
-        # what all wheels err by together brakes the car: a fifth of a channel's noise is left
+        # what all wheels err by together brakes the car: a quarter to a third of a channel's noise is left
         assert np.std(left[moving].mean(axis=1)) < 0.5 * np.std(raw[moving]), log.name
 
 
