@@ -98,7 +98,9 @@ def _tell_conformance(terminalreporter: Any) -> None:
     found: dict[str, dict[str, str]] = {}
     for outcome in ("passed", "skipped", "xfailed", "failed", "error"):
         for report in terminalreporter.stats.get(outcome, []):
-            for name in (text for key, text in report.user_properties if key == _CONFORMANCE):
+            # what fails while it is collected has no properties
+            properties = getattr(report, "user_properties", ())
+            for name in (text for key, text in properties if key == _CONFORMANCE):
                 found.setdefault(name, {})[outcome] = report.nodeid
     if found:
         others = {name: told for name, outcomes in found.items() if (told := outcomes.keys() - {"passed"})}

@@ -46,6 +46,18 @@ def test_command_that_does_not_exist() -> None:
     assert "no_such_command" in result.stderr
 
 
+@needs_user_mode_linux
+def test_command_with_more_pages_than_linux_allows_mappings() -> None:
+    """70 000 pages that touch no other one, each a mapping of its own; the limit of an untouched machine is 65 530."""
+    program = "import mmap; m = mmap.mmap(-1, 2 * 70_000 * 4096)\nfor i in range(70_000): m[2 * i * 4096] = 1\nprint(7)"
+    result = run("python3", "-c", program)
+    if result.returncode == 137:
+        assert int(Path("/proc/sys/vm/max_map_count").read_text()) < 70_000
+        assert "sudo sysctl vm.max_map_count=1048576" in result.stderr
+    else:
+        assert (result.returncode, result.stdout) == (0, "7\n")
+
+
 def test_without_a_command() -> None:
     result = run()
     assert result.returncode == 125

@@ -9,10 +9,9 @@ from model_diagnosis.evidence.whitening import (
     SignalFilter,
     fit_whitener,
     form_inflation,
-    huber_loss,
-    huber_weights,
     temperature,
 )
+from model_diagnosis.huber import huber_loss, huber_weights
 
 
 def test_autoregression_of_known_coefficients_is_found_and_the_rest_is_white() -> None:
