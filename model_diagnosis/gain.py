@@ -288,3 +288,8 @@ def measure_gain(
 def is_proven(gain: Gain) -> bool:
     """True where the error after is below the error before at the 90 % interval's far end: an extension may be kept."""
     return gain.overall.high < 1.0
+
+
+def is_worse_than_a_refit(gain: Gain) -> bool:
+    """True where the vehicle file's own numbers, moved within two of their scatters, leave less error for sure."""
+    return gain.against_refit is not None and gain.against_refit.low > 1.0

@@ -8,8 +8,8 @@ from bench.diagnosis.recordings import recording_of
 from bench.diagnosis_report.words import accepted
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.findings import Findings
-from model_diagnosis.gain import is_proven
-from model_diagnosis.result import Cause, Diagnosis, ParameterEstimate
+from model_diagnosis.gain import is_proven, is_worse_than_a_refit
+from model_diagnosis.result import Cause, Diagnosis, Gain, ParameterEstimate
 from signals.errors import BenchError
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -27,8 +27,7 @@ def write_extension(findings: Findings, path: Path, vehicle: VehicleFile, vehicl
     diagnosis = findings.diagnosis
     if not diagnosis.causes and not findings.terms and not findings.numbers:
         return diagnosis
-    if diagnosis.gain is None or not is_proven(diagnosis.gain):
-        why = "no data is left to measure a gain on" if diagnosis.gain is None else "no gain on data that took no part"
+    if why := _why_not(diagnosis.gain):
         return _remarked(diagnosis, [f"no extended vehicle file: {why}"])
     provenance = Provenance(data=hashes_of_logs(_files(findings.logs)), versions=versions())
     found = [_found(cause, diagnosis) for cause in accepted(diagnosis)] or findings.numbers
@@ -37,6 +36,18 @@ def write_extension(findings: Findings, path: Path, vehicle: VehicleFile, vehicl
         return _remarked(diagnosis, remarks)
     write_extended_vehicle(path, vehicle_argument, vehicle, extensions, remarks)
     return _remarked(diagnosis, remarks).model_copy(update={"extension_file": path.name})
+
+
+def _why_not(gain: Gain | None) -> str:
+    """Why an extension with this gain is not written, or an empty text."""
+    if gain is None:
+        return "no data is left to measure a gain on"
+    if not is_proven(gain):
+        return "no gain on data that took no part"
+    if gain.against_refit is not None and is_worse_than_a_refit(gain):
+        error = f"{100 * gain.against_refit.ratio:.0f} % of its error"
+        return f"a refit of the vehicle file's own numbers does better ({error} is left); bench vehicle fit makes one"
+    return ""
 
 
 def with_stops(diagnosis: Diagnosis, vehicle_argument: str, extended: Path) -> Diagnosis:

@@ -30,6 +30,13 @@ _END_OF_SPAN = 0.05
 _MOVING_HALF = 5
 _NOISE_OF_SPAN = 2e-4
 """Noise over a channel's span below which it is the rounding of a noise-free signal, which may well stand still."""
+_FEWEST_RUNS, _MANY_RUNS, _HELD_ALIKE = 5, 10, 0.15
+"""Stretches of equal values that may be a hold, that are one by their lengths alone, and the share by which those may
+differ."""
+_QUANTA = 0.1
+"""Share of the smallest step by which multiples of it may be off; of steps of any size a fifth are so near to one."""
+_FEWEST_TEETH = 40
+"""A tone ring of a passenger car has 43 teeth or more; a wheel that turns by less in a sample repeats itself."""
 
 
 def is_motion(name: str) -> bool:
@@ -158,11 +165,15 @@ def check_periodic_hold(channel: Samples) -> tuple[Samples, list[DataFault]]:
     values = channel.values[rows]
     runs = _runs(values)
     inner = runs.length[1:-1]
-    if len(inner) < 10:
+    if len(inner) < _FEWEST_RUNS or (len(inner) < _MANY_RUNS and _moves_by_quanta(runs)):
         return channel, []
     # stretches where the signal rests are not of the pattern: they hold whole multiples of it
     held = float(np.median(inner))
-    if held < 2.0 or np.mean(np.abs(inner - held) <= max(1.0, 0.15 * held)) < 0.8 or _is_slow_quantised(runs, values):
+    if (
+        held < 2.0
+        or np.mean(np.abs(inner - held) <= max(1.0, _HELD_ALIKE * held)) < 0.8
+        or _is_slow_quantised(runs, values)
+    ):
         return channel, []
     fresh = np.zeros(len(values), dtype=bool)
     fresh[runs.start.astype(int)] = True
@@ -174,6 +185,13 @@ def check_periodic_hold(channel: Samples) -> tuple[Samples, list[DataFault]]:
     return channel.masked(stale), [
         DataFault(kind=kind, channel=channel.name, value=held, unit="samples", repaired=True, message=message)
     ]
+
+
+def _moves_by_quanta(runs: Runs) -> bool:
+    """True where most steps are multiples of the smallest: a coarse signal that changes slowly holds its values too."""
+    steps = np.abs(np.diff(runs.value))
+    multiples = steps / steps.min()
+    return bool(np.mean(np.abs(multiples - np.round(multiples)) < _QUANTA) > 0.5)
 
 
 def _is_slow_quantised(runs: Runs, values: FloatArray) -> bool:
@@ -189,7 +207,8 @@ def check_random_hold(channel: Samples) -> tuple[Samples, list[DataFault]]:
     """Mask repeated samples of a moving signal: frames that were lost and filled with the value before.
 
     While the signal moves by more than its resolution per sample, a step of zero is no likelier than the steps beside
-    it; the surplus of zeros is the share of held samples.
+    it; the surplus of zeros is the share of held samples. A wheel whose sensor saw no tooth since the last sample holds
+    its value and has lost nothing.
     """
     rows = np.flatnonzero(channel.valid)
     if len(rows) < _MIN_SAMPLES or is_stepped(channel.name):
@@ -200,6 +219,8 @@ def check_random_hold(channel: Samples) -> tuple[Samples, list[DataFault]]:
     if quantum == 0.0:
         return channel, []
     moving = _moving(values, steps, quantum)
+    if channel.name.startswith("wheel_speed_"):
+        moving &= np.abs(values[:-1]) * channel.period_s() > 2.0 * np.pi / _FEWEST_TEETH
     if np.sum(moving) < 2 * _MIN_SAMPLES:
         return channel, []
     share = float(np.mean(steps[moving] == 0.0))

@@ -46,6 +46,8 @@ DRIVELINE_EFFECTS: tuple[Effect, ...] = (
         confounded_with=("tyre_relaxation_length", "caliper_lag", "tyre_peak_shape"),
         separating_manoeuvre="pressure pulses with the clutch open and closed",
         signals=_WHEEL_SPEEDS,
+        needs_torque=True,
+        remarks="no cause where every torque was taken from the acceleration: it shows in how wheels follow one",
     ),
     _driveline(
         name="differential_locking",

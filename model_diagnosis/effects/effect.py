@@ -94,6 +94,9 @@ class Effect:
     confounded_with : names of effects that look alike
     separating_manoeuvre : what tells them apart
     discrete : True where the parameters take separate values (a swap, a failed circuit) and are run as hypotheses
+    one_at_a_time : True where no two of its deviations are present together
+    needs_torque : True where it shows only in how wheels follow a torque, and so nowhere if each torque was taken from
+        the acceleration
     """
 
     name: str
@@ -106,6 +109,8 @@ class Effect:
     confounded_with: tuple[str, ...] = ()
     source: str = ""
     discrete: bool = False
+    one_at_a_time: bool = False
+    needs_torque: bool = False
     remarks: str = field(default="")
 
     @property

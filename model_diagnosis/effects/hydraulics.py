@@ -135,6 +135,8 @@ HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
         confounded_with=("wheel_brake_weak",),
         separating_manoeuvre="any stop",
         source="dual-circuit brakes",
+        one_at_a_time=True,
+        remarks="there are two circuits so that never both fail; both low is a scale of sensors",
     ),
     _hydraulic(
         name="brake_knock_back",

@@ -41,6 +41,7 @@ def excitation(problem: Problem, information: FloatArray, needed: float) -> Exci
     nuisance = problem.priors.nuisance / problem.scale
     _, projected = Quadratic(information, np.zeros(len(nuisance))).projected(nuisance)
     limits = problem.scale * detection_limits(np.diag(projected), nuisance, needed)
+    limits[_without_torque(problem)] = np.inf
     reach = np.maximum(np.abs(problem.priors.low), np.abs(problem.priors.high))
     shown = limits <= reach
     replay = problem.replay
@@ -62,7 +63,14 @@ def _none(shown: NDArray[np.bool_], own: NDArray[np.bool_]) -> bool:
 
 
 def excited_columns(problem: Problem, information: Sequence[FloatArray]) -> NDArray[np.bool_]:
-    """Columns (p,) that any manoeuvre reacts to at all."""
+    """Columns (p,) that any manoeuvre reacts to, of effects that need a measured torque only where there is one."""
     diagonal = np.sum([np.diag(part) for part in information], axis=0)
-    excited: NDArray[np.bool_] = diagonal > 1e-6
+    excited: NDArray[np.bool_] = (diagonal > 1e-6) & ~_without_torque(problem)
     return excited
+
+
+def _without_torque(problem: Problem) -> NDArray[np.bool_]:
+    """Columns (p,) of effects that need a torque which was measured nowhere."""
+    if problem.replay.torque_measured:
+        return np.zeros(len(problem.scale), dtype=np.bool_)
+    return np.array([problem.replay.effects[int(own)].needs_torque for own in problem.replay.owner])

@@ -31,7 +31,7 @@ class Hypothesis:
 
 
 def hypotheses_of(replay: ReplayModel, available: Sequence[bool] | None = None) -> list[Hypothesis]:
-    """Hypotheses of all effects: all deviations together, those of one wheel, each alone.
+    """Hypotheses of all effects: all deviations together where they may be, those of one wheel, each alone.
 
     ``available`` (p,) leaves out columns that this data cannot show at all.
     """
@@ -50,7 +50,8 @@ def hypotheses_of(replay: ReplayModel, available: Sequence[bool] | None = None) 
         single = _of_one_manoeuvre(columns, replay)
         columns = [column for column in columns if only_in(replay.columns[column]) is None]
         alone = [column for column in columns if not replay.parameters[column].places]
-        choices = [tuple(columns), *_wheels(columns, replay), *((column,) for column in alone)] if columns else []
+        together = [] if replay.effects[index].one_at_a_time else [tuple(columns)]
+        choices = [*together, *_wheels(columns, replay), *((column,) for column in alone)] if columns else []
         choices = list(dict.fromkeys(choices))
         # that it holds in one of the manoeuvres only is one more choice
         share = 1.0 / (len(choices) + bool(single))

@@ -26,6 +26,10 @@ class ReplayModel(Protocol):
     def forces_measured(self) -> bool:
         """True where what drives and brakes the wheels was measured in every manoeuvre."""
 
+    @property
+    def torque_measured(self) -> bool:
+        """True where a torque of brakes or drive was measured at any time."""
+
     effects: tuple[Effect, ...]
     columns: tuple[str, ...]
     parameters: tuple[EffectParameter, ...]

@@ -123,6 +123,11 @@ class Replay(ReplayBase):
         """True where what drives and brakes the wheels was measured in every manoeuvre."""
         return all(prepared.inputs.forces_measured for prepared in self.prepared)
 
+    @property
+    def torque_measured(self) -> bool:
+        """True where a torque of brakes or drive was measured at any time."""
+        return not all(prepared.inputs.inferred.all() for prepared in self.prepared)
+
     def with_terms(self, terms: Sequence[TermCourse]) -> "Replay":
         """The same with columns of these terms behind all others."""
         other = copy(self)

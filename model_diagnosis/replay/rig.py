@@ -75,6 +75,11 @@ class RigReplay(ReplayBase):
         """True: the slips that drive a rig's wheel are measured, and its forces are what is compared."""
         return True
 
+    @property
+    def torque_measured(self) -> bool:
+        """False: a rig sets the wheel's slip and needs no torque."""
+        return False
+
     def predict(self, theta: FloatArray, m: int) -> FloatArray:
         """Forces (n, c) [N], as the rig's sensors report them."""
         return self._forces(self.deviations_at(theta, m), self.prepared[m])

@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import theilslopes
 
 from model_diagnosis.effects.sensor_chain import true_inputs
 from model_diagnosis.replay.driving_pressures import driving_pressures, numbers_by_pressures
 from model_diagnosis.replay.gaps import begun_anew
-from model_diagnosis.replay.hydraulic import GAIN, HYDRAULIC_COLUMNS, HydraulicReplay
+from model_diagnosis.replay.hydraulic import GAIN, HYDRAULIC_COLUMNS, HydraulicReplay, reported_pressure
 from model_diagnosis.replay.inputs import with_pressures
 from model_diagnosis.replay.prepared import PRESSURES, Prepared
 from model_diagnosis.replay.sensors import own_noise
@@ -22,6 +23,10 @@ _STEPS_SHARE = 0.5
 
 Its steps jump with deviations, and fits end before a jump."""
 
+
+_SHOWN_PA = 5e5
+"""Pressure, and difference of pressures, from which a sensor's scale shows beside its noise."""
+_SAMPLES_OF_A_LINE = 400
 
 _ORDINARY = {column: one for column, one in HYDRAULIC_COLUMNS.items() if one.ordinary_std > 0.0}
 """Columns, and their parameters, in which every car's unit is off."""
@@ -62,11 +67,29 @@ class WheelPressures:
         self.unit.flows = True
         # which of the two the car has is a matter of form; a throttled return too rests above its supply
         throttled = {"form_return.lag": HYDRAULIC_COLUMNS["form_return.lag"].nuisance_std}
-        by_flow = min(self._misfit(deviations, manoeuvres) for deviations in ({}, throttled))
+        # sensors that differ from the master's let a unit rest off its supply too
+        ways: tuple[dict[str, float], ...] = ({}, throttled, self._sensors(manoeuvres))
+        by_flow = min(self._misfit(deviations, manoeuvres) for deviations in ways)
         self.unit.flows = by_steps > _STEPS_SHARE * by_flow
         begun = [replace(one, pressure_least=self._least(one)) for one in manoeuvres]
         numbers = self._numbers(begun)
         return [self._driven(numbers, one) for one in begun]
+
+    def _sensors(self, manoeuvres: Sequence[Prepared]) -> dict[str, float]:
+        """Scale and offset of the wheels' sensors against the master's: the straight line through their readings over
+        the pressures of the unit run freely, where no valve is moved."""
+        predicted, measured = [np.zeros(0)], [np.zeros(0)]
+        for prepared in manoeuvres:
+            log = prepared.hydraulics
+            if log is None or not prepared.replays_pressures:
+                continue
+            free = self.at({}, prepared, free=True)
+            assert free is not None
+            rests = (log.inlet == 0.0) & (log.outlet == 0.0) & (prepared.pressure_valid > 0.0)
+            shown = rests & (free > _SHOWN_PA)
+            predicted.append(free[shown])
+            measured.append(prepared.measured[:, _places(prepared)][shown])
+        return _line(np.concatenate(predicted), np.concatenate(measured))
 
     def _misfit(self, deviations: Mapping[str, float], manoeuvres: Sequence[Prepared]) -> float:
         """Sum of squares of what the unit leaves of the measured pressures [Pa^2]."""
@@ -81,7 +104,7 @@ class WheelPressures:
         """Measured pressures (n, 4) less the unit's [Pa]."""
         predicted = self.at(deviations, prepared)
         assert predicted is not None
-        error: FloatArray = prepared.measured[:, _places(prepared)] - predicted
+        error: FloatArray = prepared.measured[:, _places(prepared)] - reported_pressure(deviations, predicted)
         return error
 
     def _least(self, prepared: Prepared) -> FloatArray:
@@ -118,6 +141,21 @@ class WheelPressures:
         driving = {**prepared.driving, **dict(zip(PRESSURES, pressures.T, strict=True))}
         inputs = replace(prepared.inputs, values=with_pressures(prepared.inputs, driving))
         return replace(prepared, driving=driving, inputs=inputs, between=between)
+
+
+def _line(true: FloatArray, read: FloatArray) -> dict[str, float]:
+    """Scale and offset of readings (n,) over true pressures (n,) [Pa]; nothing where they hardly vary."""
+    if len(true) < 2 or np.ptp(true) < _SHOWN_PA:
+        return {}
+    # flanks that the free unit takes too early or late are far off, and few
+    line = theilslopes(*_thinned(read, true))
+    return {"pressure_sensor_scale.wheels": float(line[0]) - 1.0, "pressure_sensor_offset.wheels": float(line[1])}
+
+
+def _thinned(*series: FloatArray) -> list[FloatArray]:
+    """At most some hundreds of samples, evenly from the whole: every pair of them counts."""
+    every = max(len(series[0]) // _SAMPLES_OF_A_LINE, 1)
+    return [one[::every] for one in series]
 
 
 def _places(prepared: Prepared) -> list[int]:

@@ -10,6 +10,7 @@ from model_diagnosis.gain import (
     block_samples,
     correlation_time_s,
     is_proven,
+    is_worse_than_a_refit,
     measure_gain,
     noise_std_of,
 )
@@ -100,6 +101,17 @@ def test_against_a_refit_of_the_nominals_only_what_the_effect_adds_counts() -> N
     assert gain.overall.ratio == pytest.approx(0.5)
     assert gain.against_refit is not None
     assert gain.against_refit.ratio == pytest.approx(1.0 / 1.1)
+    assert not is_worse_than_a_refit(gain)
+
+
+def test_an_extension_that_a_refit_beats_by_more_than_chance_is_worse() -> None:
+    """Errors of 1 after and of 0.9 or of 1.0 by another draw with the refit."""
+    random = np.random.default_rng(7)
+    after = _coloured(random, 2000, 0.5, 1.0)[:, None]
+    for refit, is_worse in ((0.9 * after, True), (_coloured(random, 2000, 0.5, 1.0)[:, None], False)):
+        gain = measure_gain([HeldOut("m", (SIGNAL,), 2.0 * after, after, np.ones((2000, 1)), refit)], {})
+        assert is_proven(gain)
+        assert is_worse_than_a_refit(gain) == is_worse
 
 
 def test_samples_without_weight_and_missing_signals_do_not_count() -> None:

@@ -99,6 +99,18 @@ def test_without_a_proven_gain_there_is_no_extended_car(findings: Findings, tmp_
     assert "no extended vehicle file: no gain on data that took no part" in written.diagnosis.remarks
 
 
+def test_where_a_refit_of_the_cars_own_numbers_does_better_there_is_no_extended_car(
+    findings: Findings, tmp_path: Path
+) -> None:
+    gain = findings.diagnosis.gain
+    assert gain is not None
+    beaten = gain.model_copy(update={"against_refit": OverallGain(ratio=1.06, low=1.04, high=1.11)})
+    answer = findings.diagnosis.model_copy(update={"gain": beaten, "extension_file": None})
+    written = write(Found(replace(findings, diagnosis=answer), load_vehicle("ekf_car"), "ekf_car"), tmp_path)
+    assert not (tmp_path / "extended_vehicle.yaml").exists()
+    assert any("refit of the vehicle file's own numbers does better (106 %" in one for one in written.diagnosis.remarks)
+
+
 def test_deviations_are_those_behind_the_physical_values() -> None:
     (factor,) = effect("brake_pad_friction").parameters
     estimate = made_up_findings.cause().parameters["factor"]

@@ -11,6 +11,7 @@ from plant_log import coast_and_drive, drive
 
 from model_diagnosis.effects.form import FORM_NAMES, REPLAYED
 from model_diagnosis.evidence.base import fit_base
+from model_diagnosis.evidence.excitation import excitation, excited_columns
 from model_diagnosis.evidence.hypotheses import hypotheses_of
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.search import Search
@@ -34,6 +35,8 @@ LONGITUDINAL = (
     "tyre_longitudinal_stiffness",
     "wheel_radius_change",
 )
+_INERTIA = ("mass_change", "wheel_inertia_reflected", "tyre_longitudinal_stiffness", "wheel_radius_change")
+_WITHOUT_TORQUE = (*MEASURED, "steering_wheel_angle")
 NEEDED = 5.0
 """Log evidence of a cause, about the threshold of six manoeuvres."""
 
@@ -106,3 +109,15 @@ def test_what_the_inference_takes_from_the_measurement_changes_no_acceleration(
     place = replay.signals(0).index("longitudinal_acceleration")
     moved = float(np.std(change[:, place])) * replay.parameters[index].effect_std
     assert moved < 0.1 * replay.sensor_std("longitudinal_acceleration")
+
+
+def test_inertia_of_the_wheels_shows_only_where_a_torque_was_measured(car: VehicleFile, driven: Manoeuvre) -> None:
+    """The same drive with the torques that moved its wheels, and without."""
+    column = "wheel_inertia_reflected.inertia"
+    for channels, is_shown in ((driven.channels, True), ({n: driven.channels[n] for n in _WITHOUT_TORQUE}, False)):
+        log = replace(driven, channels=channels, weights={n: driven.weights[n] for n in channels})
+        replay = Replay(car, [log], [effect for effect in REPLAYED if effect.name in {*_INERTIA, *FORM_NAMES}])
+        base = fit_base(replay, Priors.of(replay.parameters))
+        assert excited_columns(base.problem, base.at_nothing.informations)[replay.columns.index(column)] == is_shown
+        shown = excitation(base.problem, base.at_nothing.information, NEEDED)
+        assert ("wheel_inertia_reflected" in shown.insufficient) != is_shown
