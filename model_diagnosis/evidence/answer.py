@@ -109,9 +109,10 @@ def _estimate(
 ) -> ParameterEstimate:
     value, unit, nominal = physical(column, deviation)
     std = float(np.hypot(std, LAW_SHARE * deviation)) if std > 0.0 else 0.0
+    # what both axles have in common may lie on top of a deviation that is at its bound
+    low, high = min(parameter.low, deviation), max(parameter.high, deviation)
     ends = sorted(
-        physical(column, float(np.clip(deviation + side * INTERVAL_STD * std, parameter.low, parameter.high)))[0]
-        for side in (-1.0, 1.0)
+        physical(column, float(np.clip(deviation + side * INTERVAL_STD * std, low, high)))[0] for side in (-1.0, 1.0)
     )
     return ParameterEstimate(value=value, low=ends[0], high=ends[1], unit=unit, nominal=nominal)
 

@@ -216,6 +216,23 @@ def test_a_cause_at_the_end_of_its_range_says_so() -> None:
     assert own.cause.remarks[0] == "part_0 is at the end of its range: the cause is larger, or another"
 
 
+def test_what_the_axles_share_may_lie_on_top_of_a_range_and_in_the_interval() -> None:
+    """Hidden are 1 on the front axle, where its range ends, and 0.1 on both."""
+    front, both = effect("front"), effect("both", nuisance=0.1)
+    (own,), (common,) = front.parameters, both.parameters
+    front = replace(front, parameters=(replace(own, vehicle_path="tyres.front.friction"),))
+    both = replace(both, parameters=(replace(common, common_path="tyres.*.friction"),))
+    car = LinearCar([front, both], np.array([1.0, 0.1]), 6, colour=0.5)
+    base = fit_base(car, Priors.of(car.parameters))
+    search = Search(base.problem, hypotheses_of(car))
+    selection = Selector(search, 5.0).run(base.nothing, base.at_nothing, base.at_saturated)
+    alike = [look_alikes(search, selection, one) for one in selection.accepted]
+    found = next(one for one in causes(search, selection, alike, _factor) if one.cause.effect == "front")
+    (estimate,) = found.cause.parameters.values()
+    assert estimate.value == pytest.approx(2.0 + 2.0 * 0.1, abs=0.1)
+    assert estimate.low <= estimate.value <= estimate.high
+
+
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     hits = named = 0
     for seed in range(40):
