@@ -43,6 +43,7 @@ def test_a_healthy_drive_names_no_cause(healthy_drive: Path, tmp_path: Path) -> 
     """The plant that drove is the vehicle file's; its hydraulic unit rests up to 1 bar off its supply, as no fault."""
     answer = bench.diagnose(healthy_drive, "ekf_car", out=tmp_path)
     assert answer.causes == []
+    assert answer.data_faults == []
     assert answer.discovered_terms == []
     assert answer.verdict != "wrong_vehicle"
 
