@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import theilslopes
+from scipy.stats import siegelslopes
 
 from model_diagnosis.effects.sensor_chain import true_inputs
 from model_diagnosis.replay.driving_pressures import driving_pressures, numbers_by_pressures
@@ -27,6 +27,8 @@ Its steps jump with deviations, and fits end before a jump."""
 _SHOWN_PA = 5e5
 """Pressure, and difference of pressures, from which a sensor's scale shows beside its noise."""
 _SAMPLES_OF_A_LINE = 400
+_LARGEST_SCALE = 0.5
+"""As far as the catalogue lets a sensor's scale be off."""
 
 _ORDINARY = {column: one for column, one in HYDRAULIC_COLUMNS.items() if one.ordinary_std > 0.0}
 """Columns, and their parameters, in which every car's unit is off."""
@@ -148,8 +150,10 @@ def _line(true: FloatArray, read: FloatArray) -> dict[str, float]:
     if len(true) < 2 or np.ptp(true) < _SHOWN_PA:
         return {}
     # flanks that the free unit takes too early or late are far off, and few
-    line = theilslopes(*_thinned(read, true))
-    return {"pressure_sensor_scale.wheels": float(line[0]) - 1.0, "pressure_sensor_offset.wheels": float(line[1])}
+    slope, offset = siegelslopes(*_thinned(read, true))
+    if abs(slope - 1.0) > _LARGEST_SCALE:
+        return {}  # brakes that do not follow their supply at all
+    return {"pressure_sensor_scale.wheels": float(slope) - 1.0, "pressure_sensor_offset.wheels": float(offset)}
 
 
 def _thinned(*series: FloatArray) -> list[FloatArray]:
