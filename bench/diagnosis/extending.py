@@ -44,9 +44,8 @@ def _why_not(gain: Gain | None) -> str:
         return "no data is left to measure a gain on"
     if not is_proven(gain):
         return "no gain on data that took no part"
-    if gain.against_refit is not None and is_worse_than_a_refit(gain):
-        error = f"{100 * gain.against_refit.ratio:.0f} % of its error"
-        return f"a refit of the vehicle file's own numbers does better ({error} is left); bench vehicle fit makes one"
+    if is_worse_than_a_refit(gain):
+        return "a refit of the vehicle file's own numbers does better; bench vehicle fit makes one"
     return ""
 
 

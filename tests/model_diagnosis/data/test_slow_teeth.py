@@ -38,5 +38,5 @@ def test_a_wheel_slower_than_its_teeth_has_lost_no_frame() -> None:
 
 def test_frames_that_are_held_above_are_still_named() -> None:
     _, (fault,) = check_random_hold(_stop(HELD))
-    # 2000 samples, three quarters of them fast: three standard deviations of a share of a fifth
+    # 1400 of the 2000 samples are above 31 rad/s: three standard deviations of a share of a fifth
     assert fault.value == pytest.approx(HELD, abs=3.0 * np.sqrt(HELD * (1.0 - HELD) / 1400))
