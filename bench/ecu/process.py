@@ -35,13 +35,28 @@ LEAST_REST_S = 0.5e-3
 OK = 0
 
 
-class Stopped(Exception):
-    """SIGTERM came."""
+class Stopped(BaseException):
+    """SIGTERM came; none of a library's ``except Exception`` takes it for an error of its own."""
 
 
-def _stop(number: int, frame: FrameType | None) -> NoReturn:
-    _let_nothing_disturb_the_end()  # a second one would come while the first is handled
-    raise Stopped
+class _Stop:
+    """Handler of SIGTERM.
+
+    Its exception can be lost in a callback of what compiles or loads. A process that went on then would have nothing to
+    end it, not even its parent's death, so it asks once more before it serves.
+    """
+
+    def __init__(self) -> None:
+        self._came = False
+
+    def __call__(self, number: int, frame: FrameType | None) -> NoReturn:
+        _let_nothing_disturb_the_end()  # a second one would come while the first is handled
+        self._came = True
+        raise Stopped
+
+    def if_it_came(self) -> None:
+        if self._came:
+            raise Stopped
 
 
 def _let_nothing_disturb_the_end() -> None:
@@ -109,6 +124,7 @@ def serve(
     core: int | None = None,
     silent: bool = False,
     protection: Protection = "full",
+    at_started: Callable[[], None] = lambda: None,
     at_end: Callable[[dict[str, Any]], None] | None = None,
 ) -> int:
     """Be the ECU on a link until the bench or a signal ends it; returns the exit code.
@@ -129,6 +145,8 @@ def serve(
         Listen but answer nothing.
     protection
         What is checked of protected frames.
+    at_started
+        Called when all is compiled and loaded, before the link opens.
     at_end
         Told, however it ends, what the ECU did: link, its own counts and the link's.
 
@@ -150,6 +168,7 @@ def serve(
     text = link or default_link_text()
     if text == "virtual":
         raise InputError("link virtual does not leave its process", mend="use --link udp, or bench run --ecu inprocess")
+    at_started()
     with open_link(text, role="ecu") as opened:
         try:
             return _run(node, opened, barrier, cores)
@@ -192,8 +211,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     die_with_parent(signal.SIGTERM)
     try:
         try:
-            signal.signal(signal.SIGTERM, _stop)
-            return serve(**vars(arguments))
+            stop = _Stop()
+            signal.signal(signal.SIGTERM, stop)
+            return serve(**vars(arguments), at_started=stop.if_it_came)
         finally:  # inside the outer try: what comes until this is done is still caught
             _let_nothing_disturb_the_end()
     except BenchError as error:

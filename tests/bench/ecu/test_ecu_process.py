@@ -193,7 +193,7 @@ def test_ends_with_its_parent(tmp_path: Path) -> None:
     wait_until_armed(ecu)
     parent.send_signal(signal.SIGKILL)
     parent.wait()
-    end = time.monotonic() + 20.0
+    end = time.monotonic() + PATIENCE_S
     while alive(ecu):
         assert time.monotonic() < end, "the ECU outlived its parent"
         time.sleep(0.05)
@@ -228,6 +228,32 @@ def test_sigterm_while_the_interpreter_leaves_changes_nothing(bus: Any, tmp_path
         assert ending.result() == (0, "")
     code, errors = end_of(TERMINATED_WHILE_LEAVING, "--core", "4096")
     assert (code, "Traceback" in errors) == (2, False)
+
+
+TERMINATED_WHERE_EXCEPTIONS_ARE_LOST = """
+import os, signal, sys, weakref
+from bench.codec.codec import Codec
+from bench.ecu import process
+
+class Compiled:
+    pass
+
+def load(*files, really=Codec.load):
+    compiled = Compiled()
+    kept = weakref.ref(compiled, lambda _: os.kill(os.getpid(), signal.SIGTERM))
+    del compiled
+    return really(*files)
+
+Codec.load = load
+sys.exit(process.main(sys.argv[1:]))
+"""
+"""The ECU's process, and SIGTERM in a callback of the interpreter, whose exceptions go nowhere, while the process starts."""
+
+
+def test_sigterm_whose_exception_is_lost_ends_the_process() -> None:
+    code, errors = end_of(TERMINATED_WHERE_EXCEPTIONS_ARE_LOST, "--link", "udp_loopback")
+    assert "Stopped" in errors  # the interpreter's word that it was lost
+    assert code == 0
 
 
 TERMINATED_AT_EACH_LINE = """
