@@ -247,7 +247,7 @@ def load(*files, really=Codec.load):
 Codec.load = load
 sys.exit(process.main(sys.argv[1:]))
 """
-"""The ECU's process, and SIGTERM in a callback of the interpreter, whose exceptions go nowhere, while the process starts."""
+"""The ECU's process, and SIGTERM while it starts, in a callback of the interpreter, whose exceptions go nowhere."""
 
 
 def test_sigterm_whose_exception_is_lost_ends_the_process() -> None:
