@@ -18,7 +18,7 @@ NAMES = ("gentle_stops", "brake_in_turn", "sine_steer", "accelerate_and_brake")
 @pytest.mark.parametrize(
     ("seed", "kind", "channels", "delay_s"),
     [
-        (201, "wheel_speed_delay", WHEEL_SPEEDS, 0.02),
+        pytest.param(201, "wheel_speed_delay", WHEEL_SPEEDS, 0.02, marks=pytest.mark.nightly),
         (205, "wheel_speed_delay", WHEEL_SPEEDS, 0.04),
         (206, "can_latency", INERTIAL, 0.015),
         (202, "can_latency", INERTIAL, 0.03),
@@ -53,6 +53,7 @@ def test_physics_that_shifts_phases_is_no_delay(
     assert [one.kind for one in faults if one.unit == "s"] == []
 
 
+@pytest.mark.nightly
 def test_low_friction_hides_no_late_logger_and_invents_no_late_message(tmp_path: Path) -> None:
     """A car that slides for seconds moves none of its channels as its twins do, but in four of six manoeuvres."""
     everything = (*NAMES, "coast", "abs_stop")
