@@ -97,6 +97,7 @@ class Effect:
     one_at_a_time : True where no two of its deviations are present together
     needs_torque : True where it shows only in how wheels follow a torque, and so nowhere if each torque was taken from
         the acceleration
+    needs_limit : True where it shows only where tyres use half of their friction or more
     """
 
     name: str
@@ -111,6 +112,7 @@ class Effect:
     discrete: bool = False
     one_at_a_time: bool = False
     needs_torque: bool = False
+    needs_limit: bool = False
     remarks: str = field(default="")
 
     @property

@@ -45,6 +45,7 @@ ROAD_EFFECTS: tuple[Effect, ...] = (
         confounded_with=("tyre_friction", "brake_pad_friction"),
         separating_manoeuvre="the same stop on another spot",
         remarks="the place counts from the first sample of each manoeuvre; all roads vary by some per cent",
+        needs_limit=True,
     ),
     _road(
         name="mu_split",
@@ -53,5 +54,6 @@ ROAD_EFFECTS: tuple[Effect, ...] = (
         signals=("yaw_rate", *_WHEEL_SPEEDS),
         confounded_with=("wheel_brake_weak",),
         separating_manoeuvre="the same stop on another spot",
+        needs_limit=True,
     ),
 )

@@ -31,6 +31,7 @@ TYRE_EFFECTS: tuple[Effect, ...] = (
         separating_manoeuvre="full stop on a level road, and the same at half load",
         source=f"{_PACEJKA}, 4.3.2 (scale factor of the peak)",
         remarks="seen only near the limit: below it the slip stiffness acts",
+        needs_limit=True,
     ),
     _tyre(
         name="tyre_longitudinal_stiffness",
@@ -61,6 +62,7 @@ TYRE_EFFECTS: tuple[Effect, ...] = (
         confounded_with=("cg_height_change", "brake_balance", "tyre_friction"),
         separating_manoeuvre="limit stop, limit circle, and both at another load",
         source=f"{_PACEJKA}, 4.3.2 (PDX2, PDY2)",
+        needs_limit=True,
     ),
     _tyre(
         name="tyre_relaxation_length",
@@ -86,6 +88,7 @@ TYRE_EFFECTS: tuple[Effect, ...] = (
         confounded_with=("tyre_friction", "wheel_inertia_reflected"),
         separating_manoeuvre="ABS stop and a slide with locked wheels",
         source=f"{_PACEJKA}, 4.3.2 (shape and curvature factors)",
+        needs_limit=True,
     ),
     _tyre(
         name="tyre_temperature_fade",
@@ -95,6 +98,7 @@ TYRE_EFFECTS: tuple[Effect, ...] = (
         confounded_with=("brake_pad_fade", "tyre_friction"),
         separating_manoeuvre="repeated stops at and below the limit",
         source="lumped tread: half of the sliding power warms 3 kg of rubber",
+        needs_limit=True,
     ),
     _tyre(
         name="tyre_velocity_fade",
@@ -104,6 +108,7 @@ TYRE_EFFECTS: tuple[Effect, ...] = (
         confounded_with=("aero_lift_front_rear", "brake_pad_speed", "tyre_friction"),
         separating_manoeuvre="limit stops from 40 and from 100 km/h",
         source="Burckhardt, Fahrwerktechnik: Radschlupf-Regelsysteme (c4)",
+        needs_limit=True,
     ),
     _tyre(
         name="tyre_camber_conicity",

@@ -41,7 +41,7 @@ def excitation(problem: Problem, information: FloatArray, needed: float) -> Exci
     nuisance = problem.priors.nuisance / problem.scale
     _, projected = Quadratic(information, np.zeros(len(nuisance))).projected(nuisance)
     limits = problem.scale * detection_limits(np.diag(projected), nuisance, needed)
-    limits[_without_torque(problem)] = np.inf
+    limits[_out_of_reach(problem)] = np.inf
     reach = np.maximum(np.abs(problem.priors.low), np.abs(problem.priors.high))
     shown = limits <= reach
     replay = problem.replay
@@ -63,14 +63,15 @@ def _none(shown: NDArray[np.bool_], own: NDArray[np.bool_]) -> bool:
 
 
 def excited_columns(problem: Problem, information: Sequence[FloatArray]) -> NDArray[np.bool_]:
-    """Columns (p,) that any manoeuvre reacts to, of effects that need a measured torque only where there is one."""
+    """Columns (p,) that any manoeuvre reacts to, but for those that need a torque or limit that is not there."""
     diagonal = np.sum([np.diag(part) for part in information], axis=0)
-    excited: NDArray[np.bool_] = (diagonal > 1e-6) & ~_without_torque(problem)
+    excited: NDArray[np.bool_] = (diagonal > 1e-6) & ~_out_of_reach(problem)
     return excited
 
 
-def _without_torque(problem: Problem) -> NDArray[np.bool_]:
-    """Columns (p,) of effects that need a torque which was measured nowhere."""
-    if problem.replay.torque_measured:
-        return np.zeros(len(problem.scale), dtype=np.bool_)
-    return np.array([problem.replay.effects[int(own)].needs_torque for own in problem.replay.owner])
+def _out_of_reach(problem: Problem) -> NDArray[np.bool_]:
+    """Columns (p,) of effects that need a torque where none was measured, or a limit that no drive came near."""
+    replay = problem.replay
+    torque, limit = replay.torque_measured, replay.limit_approached
+    lacks = [(one.needs_torque and not torque) or (one.needs_limit and not limit) for one in replay.effects]
+    return np.array(lacks)[replay.owner]

@@ -30,6 +30,10 @@ class ReplayModel(Protocol):
     def torque_measured(self) -> bool:
         """True where a torque of brakes or drive was measured at any time."""
 
+    @property
+    def limit_approached(self) -> bool:
+        """True where half of the tyres' friction, or of the slip at its peak, was used at any time."""
+
     effects: tuple[Effect, ...]
     columns: tuple[str, ...]
     parameters: tuple[EffectParameter, ...]

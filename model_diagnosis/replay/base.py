@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -16,6 +16,7 @@ from model_diagnosis.replay.columns import Columns
 from model_diagnosis.replay.derived import derive
 from model_diagnosis.replay.deviations import RECORD_COLUMNS, change_record
 from model_diagnosis.replay.inputs import SLOWEST_M_S, reference_speed
+from model_diagnosis.replay.limit import NEAR_SHARE, used_share
 from model_diagnosis.replay.nominal import NominalCar
 from model_diagnosis.replay.parameters import nominal_value, values_of
 from model_diagnosis.replay.sensors import own_noise
@@ -127,6 +128,15 @@ class ReplayBase(ABC):
     def moving(self, m: int) -> NDArray[np.bool_]:
         """True (n,) where manoeuvre ``m`` is driven at 4 m/s or more."""
         return reference_speed(self.manoeuvres[m], self.vehicle) >= SLOWEST_M_S
+
+    @cached_property
+    def limit_approached(self) -> bool:
+        """True where half of the tyres' friction, or of the slip at its peak, was used at any time."""
+        record, neutral = self.car.record[0], np.zeros(len(self.columns))
+        return any(
+            used_share(record, one.channels, self.states(neutral, m), self.moving(m)) >= NEAR_SHARE
+            for m, one in enumerate(self.manoeuvres)
+        )
 
     def car_at(self, theta: FloatArray) -> np.void:
         """Numbers of the car (``REPLAY_RECORD``) at deviations theta, those of single manoeuvres left out."""
