@@ -1,5 +1,6 @@
 """Figures of a challenge over its cases, each with what is required of it."""
 
+import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -87,6 +88,7 @@ def figures_of(scores: Sequence[CaseScore]) -> Figures:
         _share("false alarms on clean cars", scores, lambda s: s.false_alarm, (0.0, 0.01)),
         _share("data fault invented on clean cars", scores, lambda s: s.fault_invented),
         _share("physical value within 10 %", singles, is_value_within, (0.95, 1.0)),
+        _mean("the same at best, by the generator's theory", (_expected_within(s) for s in singles)),
         _median("median error of the physical value", (s.parameter_error for s in singles), (0.0, 0.015)),
         _share("90 % interval holds the value", singles, lambda s: s.covered, (0.85, 0.95)),
         _share("85 % of the true model's held-out gain", singles, is_gain_reached, (0.90, 1.0)),
@@ -115,6 +117,13 @@ def _of(scores: Sequence[CaseScore], family: str) -> list[CaseScore]:
 def is_value_within(score: CaseScore) -> bool | None:
     """Whether the physical value is near enough to the true one; None without one."""
     return None if score.parameter_error is None else score.parameter_error <= PARAMETER_WITHIN
+
+
+def _expected_within(score: CaseScore) -> float | None:
+    """Probability that an unbiased estimate with the smallest standard deviation there is lies near enough."""
+    if score.parameter_error is None or score.value_std is None:
+        return None
+    return math.erf(PARAMETER_WITHIN / (math.sqrt(2.0) * score.value_std))
 
 
 def is_gain_reached(score: CaseScore) -> bool | None:

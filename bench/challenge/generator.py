@@ -74,6 +74,13 @@ def separate(
     return result
 
 
+def value_stds(*, seed: int, index: int, family: str | None, generator: str) -> list[float]:
+    """For each hidden effect of a case the smallest standard deviation of its value, over the value, by theory."""
+    words = ["precision", "--seed", str(seed), "--index", str(index)]
+    result: list[float] = json.loads(_run([*words, *_choice(family, generator)]))
+    return result
+
+
 def torque_courses(*, seed: int, index: int, family: str | None, generator: str) -> dict[str, NDArray[np.float64]]:
     """Manoeuvre -> (n, 4): relative change of each brake's torque by a case's unknown term, every 10 ms."""
     words = ["courses", "--seed", str(seed), "--index", str(index)]

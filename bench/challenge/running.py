@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -20,6 +20,9 @@ from bench.verdict.output_files import replace_file
 from signals.errors import InputError, unknown_name
 
 Progress = Callable[[str, float], None]
+
+_SINGLE = "single"
+"""Family whose values are judged."""
 
 _GENERATED, _ANSWERED, _MEASURED = 0.1, 0.7, 0.98
 SCORE_FILE = "score.json"
@@ -145,7 +148,6 @@ class _Run:
         self, cases: list[Path], labels: list[dict[str, Any]], contents: list[dict[str, Any]]
     ) -> dict[str, dict[str, Any]]:
         """What needs more fits, of the cases that were answered."""
-        families = (*(GAINING_FAMILIES if self.measure_gain else ()), *((LOOK_ALIKES,) if self.check_plans else ()))
         measurements = [
             Measurement(
                 case,
@@ -153,11 +155,21 @@ class _Run:
                 label,
                 content["diagnosis"],
                 {"seed": self.seed, "index": index, "family": self.family, "generator": self.generator},
+                wanted,
             )
             for index, (case, label, content) in enumerate(zip(cases, labels, contents, strict=True))
-            if "diagnosis" in content and label["family"] in families
+            if "diagnosis" in content and (wanted := self._wanted(label["family"]))
         ]
         return measure_all(measurements, self.jobs, self._measured_one)
+
+    def _wanted(self, family: str) -> frozenset[str]:
+        """What is measured at a case of a family."""
+        families = {
+            "separated": (LOOK_ALIKES,) if self.check_plans else (),
+            "gain_share": GAINING_FAMILIES if self.measure_gain else (),
+            "value_std": (_SINGLE,),
+        }
+        return frozenset(name for name, of in families.items() if family in of)
 
     def _measured_one(self, name: str, done: int, count: int) -> None:
         self._tell(f"measurement at {name}", _ANSWERED + (_MEASURED - _ANSWERED) * done / count)
@@ -186,5 +198,4 @@ class _Run:
             return separate(rivals, seed=self.seed, index=number, family=self.family, generator=self.generator)
 
         score = score_case(case.name, index, label, answer, asked)
-        score.gain_share, score.separated = measured.get("gain_share"), measured.get("separated")
-        return score
+        return replace(score, **measured)

@@ -30,6 +30,7 @@ class CaseScore:
     false_alarm : a cause or term was named where none was hidden
     parameter_error : |found / true − 1| of the physical value of a rightly named cause
     covered : its 90 % interval holds the true value
+    value_std : smallest standard deviation of an estimate of that value over it, by the generator's own theory
     stated : (probability, right) of each statement "this is the cause"
     log_score : log of the probability given to the truth
     """
@@ -53,6 +54,7 @@ class CaseScore:
     variables: bool | None = None
     parameter_error: float | None = None
     covered: bool | None = None
+    value_std: float | None = None
     gain_share: float | None = None
     stated: list[tuple[float, bool]] = field(default_factory=list)
     log_score: float | None = None

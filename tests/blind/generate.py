@@ -26,12 +26,13 @@ def main(arguments: list[str] | None = None) -> int:
     cases.add_argument("--only", type=int, nargs="*", help="numbers of the cases; by default all")
     separate = commands.add_parser("separate", help="expected log evidence for the truth of a case against rivals")
     separate.add_argument("--rivals", nargs="+", required=True, help="names of effects")
+    precision = commands.add_parser("precision", help="how precisely a case tells the value of its effects, at best")
     courses = commands.add_parser("courses", help="what the unknown term of a case does to the brakes over time")
     further = commands.add_parser("further", help="write a case again with more data")
     further.add_argument("--out", type=Path, required=True, help="folder of the case")
     further.add_argument("--script", type=Path, help="JSON of a manoeuvre: name, speed, and lists over time")
     further.add_argument("--channel", default="", help="channel that is recorded this time")
-    for one in (separate, courses, further):
+    for one in (separate, precision, courses, further):
         one.add_argument("--seed", type=int, required=True)
         one.add_argument("--index", type=int, required=True)
         one.add_argument("--family", choices=FAMILIES)
@@ -42,6 +43,7 @@ def main(arguments: list[str] | None = None) -> int:
     called = {
         "cases": _cases,
         "separate": _separate,
+        "precision": _precision,
         "courses": _courses,
         "further": _further,
         "limits": _limits,
@@ -63,6 +65,11 @@ def _cases(given: argparse.Namespace) -> int:
 
 def _separate(given: argparse.Namespace) -> int:
     print(json.dumps(_case(given).separation(given.rivals)))
+    return 0
+
+
+def _precision(given: argparse.Namespace) -> int:
+    print(json.dumps(_case(given).value_stds()))
     return 0
 
 

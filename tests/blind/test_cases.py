@@ -17,6 +17,8 @@ from hidden_effects.isolability import (
     expected_evidence,
     nominal_point,
     scatter_columns,
+    size_std,
+    truth_of,
 )
 from hidden_effects.manoeuvres import HELD_OUT, SIX
 from hidden_effects.sealing import seal_of
@@ -161,3 +163,16 @@ def test_what_is_meant_to_look_alike_does_so_by_theory(pair: LookAlike) -> None:
     assert expected_evidence(own, np.column_stack([nuisance, rival])) < 0.1 * expected_evidence(own, nuisance)
     if pair.smallest:
         assert pair.smallest == pytest.approx(detection_limit(effect, point, nuisance), rel=0.1)
+
+
+@pytest.mark.parametrize(("name", "units"), [("mass_change", 5.0), ("brake_balance", 6.0), ("side_wind", 9.5)])
+def test_the_best_precision_is_that_of_least_squares_with_the_others_scatter(name: str, units: float) -> None:
+    """Covariance of a Bayesian fit of all numbers at once: the inverse of its information; the size comes first."""
+    point = nominal_point(scripts=SIX[1:2])
+    effect = named(name)
+    truth = truth_of((effect, units * effect.scatter, 0), point.car, point.chain, SIX[1:2], ())
+    others = scatter_columns(truth.point, effect.numbers_at(0))
+    assert others.shape[1] < scatter_columns(truth.point).shape[1] or not effect.field
+    columns = np.column_stack([truth.change, others])
+    information = columns.T @ columns + np.diag([0.0, *np.ones(others.shape[1])])
+    assert size_std(truth) == pytest.approx(np.sqrt(np.linalg.inv(information)[0, 0]), rel=1e-6)

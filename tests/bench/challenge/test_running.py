@@ -109,12 +109,14 @@ def test_what_a_broken_off_run_has_measured_is_kept_and_the_rest_is_measured(tmp
         (folder / "answers").mkdir()
         (folder / "answers/case_0000.json").write_text(json.dumps({"diagnosis": CLEAN, "seconds": 1.0}))
         (score,) = run_challenge(seed=SEED, count=1, family=family, out=folder).scores
+        assert (score.value_std is not None) == (family == "single")
         return {"gain_share": score.gain_share, "separated": score.separated}
 
     kept = tmp_path / "single" / "measured" / "case_0000.json"
     kept.parent.mkdir(parents=True)
     kept.write_text('{"gain_share": 0.625}')
     assert measured(tmp_path / "single", "single") == {"gain_share": 0.625, "separated": None}
+    assert json.loads(kept.read_text()).keys() == {"gain_share", "value_std"}
     # an answer without a cause proposes nothing that could separate look-alikes
     assert measured(tmp_path / "look_alikes", "confounded") == {"gain_share": None, "separated": None}
     assert json.loads((tmp_path / "look_alikes/measured/case_0000.json").read_text()) == {"separated": None}

@@ -13,7 +13,7 @@ from hidden_effects.car import DATA_SHEET, Numbers, as_record, draw_car
 from hidden_effects.courses import torque_course
 from hidden_effects.effects import EFFECTS
 from hidden_effects.families import Draw, Hidden, draw, family_of, place_name
-from hidden_effects.isolability import separation
+from hidden_effects.isolability import Truth, separation, size_std, truth_of
 from hidden_effects.logs import FORMATS, channel_map, database, write_logs
 from hidden_effects.manoeuvres import HELD_OUT, SIX, Script
 from hidden_effects.recording import Loggers, MessageLog, draw_loggers, record
@@ -135,14 +135,23 @@ class Case:
         """For each hidden effect: expected log evidence against each rival; None for a rival unknown here."""
         known = {effect.name: effect for effect in EFFECTS}
         wanted = [known[name] for name in rivals if name in known]
-        scripts = self.scripts()[0]
         result: list[dict[str, float | None]] = []
         for hidden in self.draw.effects:
             others = [effect for effect in wanted if effect.name != hidden.effect.name]
-            truth = (hidden.effect, hidden.deviation, hidden.place)
-            found = separation(truth, others, self.car, self.chain, scripts, self.draw.missing)
+            found = separation(self._truth(hidden), others)
             result.append({name: found.get(name) for name in rivals if name != hidden.effect.name})
         return result
+
+    def value_stds(self) -> list[float]:
+        """For each hidden effect the smallest standard deviation of its physical value, over that value."""
+        return [
+            size_std(self._truth(hidden)) * abs(hidden.deviation / self._physical(hidden))
+            for hidden in self.draw.effects
+        ]
+
+    def _truth(self, hidden: Hidden) -> Truth:
+        effect = (hidden.effect, hidden.deviation, hidden.place)
+        return truth_of(effect, self.car, self.chain, self.scripts()[0], self.draw.missing)
 
     def torque_courses(self) -> dict[str, list[list[float]]]:
         """Manoeuvre -> (n, 4) as lists: relative change of the brake torques by the unknown term; none without one."""

@@ -134,22 +134,30 @@ def nominal_point(missing: Sequence[str] = (), scripts: Sequence[Script] = SIX) 
     return Point(car, chain, tuple(scene(car, chain, script) for script in scripts), compared_channels(missing))
 
 
-def scatter_columns(point: Point) -> FloatArray:
-    """Changes (N, p) of the replay by one standard deviation of every number that scatters."""
+def scatter_columns(point: Point, but: Sequence[tuple[str, int | None]] = ()) -> FloatArray:
+    """Changes (N, p) of the replay by one standard deviation of every number that scatters.
+
+    ``but`` are numbers that do not, with the entry or None for all: what ``HiddenEffect.numbers_at`` gives.
+    """
+    fixed = {(name.removeprefix("chain:"), entry) for name, entry in but}
     columns = []
     for in_car, sheet in ((True, DATA_SHEET), (False, SENSOR_SHEET)):
         for name, number in sheet.items():
             if number.scatter == 0.0 or name == "ring_phase":
                 continue
             store = point.car if in_car else point.chain
-            for place in [slice(None)] if number.common else range(np.size(number.nominal)):
+            for entry in [None] if number.common else range(np.size(number.nominal)):
+                if fixed.intersection({(name, None), (name, entry)}):
+                    continue
+                place = slice(None) if entry is None else entry
                 values = np.atleast_1d(store[name]).astype(float).copy()
                 values[place] += _STEP * number.scatter * (values[place] if number.relative else 1.0)
                 other = {**store, name: values.reshape(np.shape(store[name]))}
                 cars = (other, point.chain) if in_car else (point.car, other)
                 columns.append(point.change(*cars) / _STEP)
-    balance = {**point.car, "balance": point.car["balance"] + _STEP * BALANCE_SCATTER}
-    columns.append(point.change(balance, point.chain) / _STEP)
+    if ("balance", None) not in fixed:
+        balance = {**point.car, "balance": point.car["balance"] + _STEP * BALANCE_SCATTER}
+        columns.append(point.change(balance, point.chain) / _STEP)
     return np.stack(columns, axis=1)
 
 
@@ -184,33 +192,57 @@ def limits_table() -> list[dict[str, str | float]]:
     ]
 
 
-def separation(
-    truth: tuple[HiddenEffect, float, int],
-    rivals: Sequence[HiddenEffect],
+@dataclass(frozen=True)
+class Truth:
+    """A hidden effect where it is looked at: half of it in the car, all of it in what was recorded.
+
+    Attributes
+    ----------
+    step : change (N,) by a small step in its direction
+    change : change (N,) by the whole effect
+    """
+
+    effect: HiddenEffect
+    place: int
+    point: Point
+    step: FloatArray
+    change: FloatArray
+
+
+def truth_of(
+    hidden: tuple[HiddenEffect, float, int],
     car: Numbers,
     chain: Numbers,
     scripts: Sequence[Script],
     missing: Sequence[str],
-) -> dict[str, float]:
-    """Expected log evidence for the true effect at its size against each rival, which may take any size.
-
-    Parameters
-    ----------
-    truth : effect, deviation, place
-    car, chain : without the effect
-    """
-    effect, deviation, place = truth
+) -> Truth:
+    """Look at an effect (effect, deviation, place) of a car and a measuring chain that are without it."""
+    effect, deviation, place = hidden
     whole_car, whole_chain, half_car, half_chain = dict(car), dict(chain), dict(car), dict(chain)
     effect.change(whole_car, whole_chain, deviation, place)
     effect.change(half_car, half_chain, 0.5 * deviation, place)
     scenes = tuple(scene(whole_car, whole_chain, script) for script in scripts)
     point = Point(half_car, half_chain, scenes, compared_channels(missing))
-    nuisance = scatter_columns(point)
-    like = _stepped(effect, place, point, float(np.copysign(_STEP, deviation)))
-    change = like * abs(deviation) / (_STEP * effect.scatter)
+    step = _stepped(effect, place, point, float(np.copysign(_STEP, deviation)))
+    return Truth(effect, place, point, step, step * abs(deviation) / (_STEP * effect.scatter))
+
+
+def separation(truth: Truth, rivals: Sequence[HiddenEffect]) -> dict[str, float]:
+    """Expected log evidence for the true effect at its size against each rival, which may take any size."""
+    nuisance = scatter_columns(truth.point)
     result = {}
     for rival in rivals:
-        columns = [effect_column(rival, at, point, like) for at in range(max(rival.places, 1))]
+        columns = [effect_column(rival, at, truth.point, truth.step) for at in range(max(rival.places, 1))]
         wide = RIVAL_SIZE * rival.largest * np.stack(columns, axis=1)
-        result[rival.name] = expected_evidence(change, np.column_stack([nuisance, wide]))
+        result[rival.name] = expected_evidence(truth.change, np.column_stack([nuisance, wide]))
     return result
+
+
+def size_std(truth: Truth) -> float:
+    """Smallest standard deviation, over the size, of any unbiased estimate of the effect's size (Cramer and Rao).
+
+    The number that the effect changes has no scatter beside it; all others have.
+    """
+    nuisance = scatter_columns(truth.point, truth.effect.numbers_at(truth.place))
+    information = 2.0 * expected_evidence(truth.change, nuisance)
+    return float(1.0 / np.sqrt(max(information, 1e-12)))
