@@ -1,5 +1,6 @@
 """Pressures of the wheel brakes by the vehicle's hydraulic unit, and what the unit tells of a manoeuvre beforehand."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -31,6 +32,10 @@ _SAMPLES_OF_A_LINE = 400
 _LARGEST_SCALE = 0.5
 """As far as the catalogue lets a sensor's scale be off."""
 
+_KEPT: dict[str, dict[str, float]] = {}
+_MOST_KEPT = 8
+"""Checks of the data replay the same pressures a dozen times beside other channels."""
+
 _ORDINARY = {column: one for column, one in HYDRAULIC_COLUMNS.items() if one.ordinary_std > 0.0}
 """Columns, and their parameters, in which every car's unit is off."""
 
@@ -45,6 +50,7 @@ class WheelPressures:
 
     def __init__(self, vehicle: VehicleFile) -> None:
         self.unit = HydraulicReplay(vehicle)
+        self._vehicle = vehicle.brakes.model_dump_json() + vehicle.hydraulics.model_dump_json()
         self._noise = own_noise(vehicle, PRESSURES[0])
 
     def at(self, deviations: Mapping[str, float], prepared: Prepared, *, free: bool = False) -> FloatArray | None:
@@ -131,7 +137,26 @@ class WheelPressures:
         def errors(deviations: Mapping[str, float]) -> FloatArray:
             return np.concatenate([(one.pressure_valid * self._error(deviations, one)).ravel() for one in telling])
 
-        return numbers_by_pressures(errors, list(_ORDINARY), list(_ORDINARY.values()), self._noise)
+        key = self._digest(telling)
+        if key not in _KEPT:
+            found = numbers_by_pressures(errors, list(_ORDINARY), list(_ORDINARY.values()), self._noise)
+            while len(_KEPT) >= _MOST_KEPT:
+                _KEPT.pop(next(iter(_KEPT)))
+            _KEPT[key] = found
+        return _KEPT[key]
+
+    def _digest(self, manoeuvres: Sequence[Prepared]) -> str:
+        """Digest of all that the unit's pressures and the measured ones depend on."""
+        digest = hashlib.sha256(f"{self._vehicle} {self._noise}".encode())
+        for one in manoeuvres:
+            log = one.hydraulics
+            assert log is not None
+            digest.update(f"{log.behind_commands} {log.behind_master} {log.commanded}".encode())
+            driving = (log.master, log.pedal, log.inlet, log.outlet, log.pump, log.cornering)
+            of_samples = (one.measured[:, _places(one)], one.pressure_valid, one.pressure_least)
+            for values in (*driving, *of_samples):
+                digest.update(b"none" if values is None else np.ascontiguousarray(values).tobytes())
+        return digest.hexdigest()
 
     def _driven(self, numbers: Mapping[str, float], prepared: Prepared) -> Prepared:
         """The manoeuvre with the pressures that drive the car by a unit with these numbers."""
