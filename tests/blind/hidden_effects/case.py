@@ -117,13 +117,18 @@ class Case:
             "value": self._physical(hidden),
         }
 
-    def _physical(self, hidden: Hidden) -> float:
-        """Physical value: over the data sheet's where the effect is relative, else in its unit; scatter included."""
+    def _physical(self, hidden: Hidden, *, is_there: bool = True) -> float:
+        """Physical value: over the data sheet's where the effect is relative, else in its unit; scatter included.
+
+        That of the car without any effect where ``is_there`` is false.
+        """
         fields = hidden.effect.field.split(",")
         if fields == [""]:
-            return hidden.deviation + (1.0 if hidden.effect.relative else 0.0)
+            return is_there * hidden.deviation + (1.0 if hidden.effect.relative else 0.0)
         name = fields[hidden.place] if len(fields) > 1 else fields[0]
-        car, chain = self.car_in(next(s for s in SIX + HELD_OUT if self.draw.only_in in ("", s.name)))
+        car, chain = self.car, self.chain
+        if is_there:
+            car, chain = self.car_in(next(s for s in SIX + HELD_OUT if self.draw.only_in in ("", s.name)))
         store: Mapping[str, Any] = chain if name.startswith("chain:") else car
         name = name.removeprefix("chain:")
         nominal = np.atleast_1d((SENSOR_SHEET | DATA_SHEET)[name].nominal)
@@ -145,7 +150,7 @@ class Case:
     def value_stds(self) -> list[float]:
         """For each hidden effect the smallest standard deviation of its physical value, over that value."""
         return [
-            size_std(self._truth(hidden)) * abs(hidden.deviation / self._physical(hidden))
+            size_std(self._truth(hidden)) * abs(1.0 - self._physical(hidden, is_there=False) / self._physical(hidden))
             for hidden in self.draw.effects
         ]
 

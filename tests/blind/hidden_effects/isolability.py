@@ -199,7 +199,8 @@ class Truth:
     Attributes
     ----------
     step : change (N,) by a small step in its direction
-    change : change (N,) by the whole effect
+    change : change (N,) by the whole effect, as the small step tells it
+    secant : the same from a car without it to one with all of it: a dead time has no small steps
     """
 
     effect: HiddenEffect
@@ -207,6 +208,7 @@ class Truth:
     point: Point
     step: FloatArray
     change: FloatArray
+    secant: FloatArray
 
 
 def truth_of(
@@ -224,7 +226,8 @@ def truth_of(
     scenes = tuple(scene(whole_car, whole_chain, script) for script in scripts)
     point = Point(half_car, half_chain, scenes, compared_channels(missing))
     step = _stepped(effect, place, point, float(np.copysign(_STEP, deviation)))
-    return Truth(effect, place, point, step, step * abs(deviation) / (_STEP * effect.scatter))
+    secant = point.change(whole_car, whole_chain) - point.change(dict(car), dict(chain))
+    return Truth(effect, place, point, step, step * abs(deviation) / (_STEP * effect.scatter), secant)
 
 
 def separation(truth: Truth, rivals: Sequence[HiddenEffect]) -> dict[str, float]:
@@ -244,5 +247,5 @@ def size_std(truth: Truth) -> float:
     The number that the effect changes has no scatter beside it; all others have.
     """
     nuisance = scatter_columns(truth.point, truth.effect.numbers_at(truth.place))
-    information = 2.0 * expected_evidence(truth.change, nuisance)
+    information = 2.0 * expected_evidence(truth.secant, nuisance)
     return float(1.0 / np.sqrt(max(information, 1e-12)))
