@@ -20,12 +20,12 @@ from model_diagnosis.data.liveliest import liveliest
 from model_diagnosis.discovery.unknown import MARGIN, FoundUnknown, weigh_unknown
 from model_diagnosis.effects.catalogue import effect as find_effect
 from model_diagnosis.effects.form import FORM_NAMES
-from model_diagnosis.evidence.answer import CauseDetail, causes
+from model_diagnosis.evidence.answer import CauseDetail
 from model_diagnosis.evidence.base import Base, fit_base
 from model_diagnosis.evidence.car_numbers import CarNumbers, numbers_within_scatter
 from model_diagnosis.evidence.excitation import Excitation, excitation, excited_columns
 from model_diagnosis.evidence.hypotheses import by_effect, hypotheses_of
-from model_diagnosis.evidence.lookalikes import look_alikes
+from model_diagnosis.evidence.naming import named
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Accepted, Selection, Selector
@@ -214,7 +214,7 @@ class _Pipeline:
         is_wrong = wrong.beats(found, left)
         details: list[CauseDetail] = []
         if not is_wrong and not unknown:
-            selection, details = self._causes(search, selector, selection)
+            selection, details = named(search, selector, selection, self._forced, self.replay.physical)
         shown = excitation(base.problem, base.at_nothing.information, needed)
         self.clock.begin("plan")
         following = None
@@ -270,14 +270,6 @@ class _Pipeline:
         )
         needed = threshold(maxima, int(excited.sum()), len(self.replay.manoeuvres))
         return Search(base.problem, hypotheses, needed - REFIT_MARGIN), needed
-
-    def _causes(self, search: Search, selector: Selector, selection: Selection) -> tuple[Selection, list[CauseDetail]]:
-        """Causes of a selection, and the selection that is left where some are improbable in their own place."""
-        alike = [look_alikes(search, selection, one, self._forced(one)) for one in selection.accepted]
-        found = causes(search, selection, alike, self.replay.physical)
-        if improbable := [one.accepted for one in found if one.is_improbable]:
-            return self._causes(search, selector, selector.without(selection, improbable))
-        return selection, found
 
     @property
     def _nameable(self) -> int:

@@ -25,6 +25,28 @@ FloatArray = NDArray[np.float64]
 REFITTED = 6
 """Look-alikes refitted at most, those with the least expected separation first; and as many rivals by evidence."""
 
+LEADS = 2.0
+"""How many times as probable as the accepted effect a member of its group has to be to stand for the group: refits end
+some units of cost, twice as many of log evidence, above their minimum."""
+
+
+@dataclass(frozen=True)
+class InPlace:
+    """An effect refitted in the place of an accepted one: the best of its hypotheses.
+
+    Attributes
+    ----------
+    evidence : log Bayes factor
+    by_data : what the data says for it against the accepted one, with whatever all else does to suit it: the
+        probability of its own size and Occam's factor left out
+    theta : (p,) of the fit
+    """
+
+    hypothesis: Hypothesis
+    evidence: float
+    by_data: float
+    theta: FloatArray
+
 
 @dataclass(frozen=True)
 class LookAlikes:
@@ -38,6 +60,7 @@ class LookAlikes:
     nothing : probability of none of them
     separations : effect -> expected log evidence that tells it from the accepted one
     correlations : member of the group -> largest canonical correlation with the accepted one
+    refitted : member of the group -> its refit
     """
 
     group: tuple[int, ...]
@@ -46,6 +69,14 @@ class LookAlikes:
     nothing: float
     separations: dict[int, float]
     correlations: dict[int, float]
+    refitted: dict[int, InPlace]
+
+    @property
+    def leader(self) -> InPlace | None:
+        """The most probable member of the group if it is clearly more probable than the accepted effect."""
+        best = max(self.group, key=lambda effect: float(self.probability[effect]))
+        is_clear = self.probability[best] > LEADS * self.probability[self.group[0]]
+        return self.refitted.get(best) if is_clear else None
 
 
 def look_alikes(
@@ -66,22 +97,28 @@ def look_alikes(
     close = sorted(
         (effect for effect, value in separations.items() if value < SEPARATION_NEEDED), key=lambda one: separations[one]
     )
-    group = [own.effect]
+    group, refitted = [own.effect], {}
     for effect in dict.fromkeys([*forced, *close[:REFITTED]]):
-        evidence[effect], by_data = _refitted(search, selection, quadratic, rest, effect, accepted)
+        refit = _refitted(search, selection, quadratic, rest, effect, accepted)
+        evidence[effect] = -np.inf if refit is None else refit.evidence
         if effect in forced or accepted.evidence - evidence[effect] < SEPARATION_NEEDED:
             group.append(effect)
+            if refit is None:
+                continue
+            refitted[effect] = refit
             # two laws that the data does not tell apart fit a wrong form differently well by chance: what it says
             # beyond what it can tell at this size is that form's; sizes that an effect seldom has still count
             told = separations.get(effect, np.inf)
-            evidence[effect] += float(np.clip(by_data, -told, told)) - by_data
+            evidence[effect] += float(np.clip(refit.by_data, -told, told)) - refit.by_data
     for effect in _rivals(evidence, accepted, {*group, *forced, *close[:REFITTED]}):
-        evidence[effect], _ = _refitted(search, selection, quadratic, rest, effect, accepted)
-        if abs(accepted.evidence - evidence[effect]) < SEPARATION_NEEDED:
+        refit = _refitted(search, selection, quadratic, rest, effect, accepted)
+        evidence[effect] = -np.inf if refit is None else refit.evidence
+        if refit is not None and abs(accepted.evidence - refit.evidence) < SEPARATION_NEEDED:
             group.append(effect)
+            refitted[effect] = refit
     probability, nothing = probabilities(evidence)
     alike = _correlations(search, quadratic, rest, own, group[1:])
-    return LookAlikes(tuple(group), evidence, probability, nothing, separations, alike)
+    return LookAlikes(tuple(group), evidence, probability, nothing, separations, alike, refitted)
 
 
 def _rivals(evidence: FloatArray, accepted: Accepted, known: Collection[int]) -> list[int]:
@@ -141,17 +178,13 @@ def _refitted(
     rest: Sequence[Hypothesis],
     effect: int,
     accepted: Accepted,
-) -> tuple[float, float]:
-    """Evidence of another effect in the accepted one's place, the best of its hypotheses.
-
-    The second number is what the data says for it against the accepted one, with whatever all else does to suit it:
-    the probability of its own size and Occam's factor left out.
-    """
+) -> InPlace | None:
+    """Another effect in the accepted one's place, the best of its hypotheses; None if the search has none of it."""
     problem = search.problem
-    best = -np.inf, 0.0
     mine = -0.5 * search.set_cost([*rest, accepted.hypothesis], selection.fit) + search.occam(
         accepted.hypothesis, rest, quadratic
     )
+    found = []
     for hypothesis in (one for one in search.hypotheses if one.effect == effect):
         chosen = [*rest, hypothesis]
         mean, _ = quadratic.posterior(ratios(problem, chosen))
@@ -161,8 +194,8 @@ def _refitted(
         by_data = 0.5 * (
             _without_own_size(search, selection.fit, accepted.hypothesis) - _without_own_size(search, fit, hypothesis)
         )
-        best = max(best, (accepted.evidence + value - mine, by_data))
-    return best
+        found.append(InPlace(hypothesis, accepted.evidence + value - mine, by_data, fit.theta))
+    return max(found, key=lambda one: (one.evidence, one.by_data), default=None)
 
 
 def _without_own_size(search: Search, fit: Fit, own: Hypothesis) -> float:

@@ -142,7 +142,18 @@ class Selector:
         dropped = [one.hypothesis for one in improbable]
         chosen = [one.hypothesis for one in selection.accepted if one.hypothesis not in dropped]
         told = [f"dropped {self.name(one)}: what was refused says more in its place" for one in dropped]
-        fit, linearisation = self._polish(self.search.fit_set(chosen, selection.linearisation, selection.fit.theta))
+        return self._with(selection, chosen, selection.fit.theta, told)
+
+    def led_by(self, selection: Selection, accepted: Accepted, other: Hypothesis, theta: FloatArray) -> Selection:
+        """The same answer with another effect in an accepted one's place; ``theta`` (p,) is where its fit begins."""
+        chosen = [other if one is accepted else one.hypothesis for one in selection.accepted]
+        told = f"{self.name(other)} stands for {self.name(accepted.hypothesis)}: it is more probable in its place"
+        return self._with(selection, chosen, theta, [told])
+
+    def _with(
+        self, selection: Selection, chosen: Sequence[Hypothesis], theta: FloatArray, told: Sequence[str]
+    ) -> Selection:
+        fit, linearisation = self._polish(self.search.fit_set(chosen, selection.linearisation, theta))
         accepted = [self._judged(chosen, one, fit, linearisation, selection.nothing) for one in chosen]
         decisions = [*selection.decisions, *told]
         return replace(selection, accepted=accepted, fit=fit, linearisation=linearisation, decisions=decisions)

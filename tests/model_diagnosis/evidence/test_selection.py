@@ -15,7 +15,8 @@ from model_diagnosis.evidence.answer import causes
 from model_diagnosis.evidence.base import fit_base
 from model_diagnosis.evidence.fitting import Fit
 from model_diagnosis.evidence.hypotheses import hypotheses_of
-from model_diagnosis.evidence.lookalikes import look_alikes
+from model_diagnosis.evidence.lookalikes import InPlace, look_alikes
+from model_diagnosis.evidence.naming import named
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.selection import Selection, Selector
@@ -156,6 +157,24 @@ def test_look_alikes_whose_sizes_are_not_as_likely_do_not_share_it_alike() -> No
     assert 1.0 < alike.evidence[3] - alike.evidence[4] < 0.5 * (1.0**2 - 0.8**2) / 0.2**2
 
 
+def test_the_most_probable_of_a_group_stands_for_it() -> None:
+    """The same change by 0.8 of one or 1.0 of the other: whichever was accepted, the likelier size is named."""
+    car = LinearCar(EFFECTS, _truth(8, c3=0.8), 8, colour=0.5, same=[(3, 4, 0.8)])
+    search, selection = _search(car)
+    selector = Selector(search, 5.0)
+    (accepted,) = selection.accepted
+    other = next(one for one in search.hypotheses if one.columns == (4,))
+    swapped = selector.led_by(selection, accepted, other, selection.fit.theta)
+    assert [one.hypothesis.columns for one in swapped.accepted] == [(4,)]
+    assert swapped.fit.theta[4] == pytest.approx(1.0, abs=0.1)
+    for begun in (selection, swapped):
+        left, (found,) = named(search, selector, begun, lambda one: [7 - one.hypothesis.effect], _factor)
+        assert (found.cause.effect, set(found.cause.group)) == ("e3", {"e3", "e4"})
+        assert left.fit.theta[3] == pytest.approx(0.8, abs=0.1)
+        assert found.cause.probability == max(found.cause.group_probabilities.values())
+    assert any(one.startswith("e3 stands for e4") for one in left.decisions), left.decisions
+
+
 def test_a_rejected_effect_far_from_the_winner_is_not_in_its_group() -> None:
     car = LinearCar(EFFECTS, _truth(9, c3=0.25), 9, colour=0.5)
     search, selection = _search(car)
@@ -177,7 +196,9 @@ def test_what_says_as_much_is_in_the_group_whatever_was_to_be_expected(
     said = np.full(len(car.effects), -50.0)
     said[4] = accepted.evidence - apart
     monkeypatch.setattr(lookalikes, "_evidence_in_place", lambda *_: said.copy())
-    monkeypatch.setattr(lookalikes, "_refitted", lambda *_: (said[4], 0.0))
+    rival = next(one for one in search.hypotheses if one.effect == 4)
+    refit = InPlace(rival, float(said[4]), 0.0, selection.fit.theta)
+    monkeypatch.setattr(lookalikes, "_refitted", lambda *_: refit)
     alike = look_alikes(search, selection, accepted)
     assert alike.separations[4] > 10.0
     assert alike.group == group
