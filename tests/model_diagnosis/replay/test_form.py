@@ -77,6 +77,7 @@ def test_transient_on_the_force_is_told_from_one_on_the_slip(hidden: Replay, lat
     assert _share(Replay(hidden.vehicle, manoeuvres)) == 1.0
 
 
+@pytest.mark.nightly
 def test_a_single_drive_tells_the_transient_by_a_few_units(tmp_path: Path) -> None:
     """Crude fits leave it open; in the wrong form a third more inertia of the wheels has 13 units of log evidence."""
     vehicle, manoeuvres = hidden_logs(tmp_path, 1154, ("accelerate_and_brake",))
