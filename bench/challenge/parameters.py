@@ -74,11 +74,15 @@ def _parameter(effect: Mapping[str, Any], parameters: Mapping[str, Mapping[str, 
         place = str(effect["place"])
         return parameters[name] if place in ("", name) or name not in _PLACES else None
     parameters = {everywhere(name): found for name, found in parameters.items()}
-    for name in (str(effect["place"]), _BY_EFFECT.get(str(effect["name"]), "")):
+    place = str(effect["place"])
+    for name in (place, _FIRST_WHEEL.get(place, ""), _BY_EFFECT.get(str(effect["name"]), "")):
         if name in parameters:
             return parameters[name]
     return None
 
+
+_FIRST_WHEEL = {"front": "fl", "rear": "rl"}
+"""Of an axle, for effects that act on both of its wheels and are told by wheel."""
 
 _PLACES = ("fl", "fr", "rl", "rr", "front", "rear")
 

@@ -169,9 +169,9 @@ def _measure(score: CaseScore, effect: Mapping[str, Any], diagnosis: Mapping[str
     """Physical value and interval of a rightly named effect."""
     cause = next((cause for cause in named_causes(diagnosis) if cause["effect"] == effect["name"]), None)
     estimate = estimate_of(effect, cause["parameters"]) if cause is not None else None
-    if estimate is None:
-        return
     true = float(effect["value"])
+    if estimate is None or true == 0.0:  # nothing is a share of an air volume of 0
+        return
     score.parameter_error = abs(estimate.value / true - 1.0)
     score.covered = estimate.low <= true <= estimate.high
 

@@ -116,7 +116,7 @@ FORM_EFFECTS: tuple[Effect, ...] = (
     _form(
         "form_axles_alike",
         Group.SUSPENSION,
-        "k_front, k_rear <- (1 + d) k_front, (1 + d) k_rear: what is off at one axle of a car is half off at the other",
+        "k <- (1 + d + d_axle) k of both axles: what is off at one axle of a car is half off at the other",
         _MOTION,
         *(
             EffectParameter(name, unit, low, high, scatter, scatter, relative=unit == "1", common_path=path)

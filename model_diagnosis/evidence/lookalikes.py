@@ -16,7 +16,7 @@ from model_diagnosis.evidence.groups import SEPARATION_NEEDED, canonical_correla
 from model_diagnosis.evidence.hypotheses import Hypothesis, by_effect
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.search import Search
-from model_diagnosis.evidence.selection import Accepted, Selection
+from model_diagnosis.evidence.selection import Accepted, Selection, smaller_than_named
 from model_diagnosis.evidence.stage import linear_evidence, ratios
 from model_diagnosis.evidence.threshold import probabilities
 
@@ -107,8 +107,9 @@ def look_alikes(
                 continue
             refitted[effect] = refit
             # two laws that the data does not tell apart fit a wrong form differently well by chance: what it says
-            # beyond what it can tell at this size is that form's; sizes that an effect seldom has still count
-            told = separations.get(effect, np.inf)
+            # beyond what it can tell at this size is that form's, and all of it where no data of these channels tells
+            # the two apart; sizes that an effect seldom has still count
+            told = 0.0 if effect in forced else separations.get(effect, np.inf)
             evidence[effect] += float(np.clip(refit.by_data, -told, told)) - refit.by_data
     for effect in _rivals(evidence, accepted, {*group, *forced, *close[:REFITTED]}):
         refit = _refitted(search, selection, quadratic, rest, effect, accepted)
@@ -179,7 +180,7 @@ def _refitted(
     effect: int,
     accepted: Accepted,
 ) -> InPlace | None:
-    """Another effect in the accepted one's place, the best of its hypotheses; None if the search has none of it."""
+    """Another effect in the accepted one's place, the best of its hypotheses that are large enough to be named."""
     problem = search.problem
     mine = -0.5 * search.set_cost([*rest, accepted.hypothesis], selection.fit) + search.occam(
         accepted.hypothesis, rest, quadratic
@@ -194,7 +195,8 @@ def _refitted(
         by_data = 0.5 * (
             _without_own_size(search, selection.fit, accepted.hypothesis) - _without_own_size(search, fit, hypothesis)
         )
-        found.append(InPlace(hypothesis, accepted.evidence + value - mine, by_data, fit.theta))
+        if not smaller_than_named(problem, hypothesis, fit.theta):
+            found.append(InPlace(hypothesis, accepted.evidence + value - mine, by_data, fit.theta))
     return max(found, key=lambda one: (one.evidence, one.by_data), default=None)
 
 

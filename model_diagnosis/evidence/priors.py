@@ -39,7 +39,7 @@ def with_commons(theta: FloatArray, parameters: Sequence[EffectParameter]) -> Fl
     """The same car (p,) with what moves both axles counted to each one's own number, and none left in common."""
     whole, commons = theta.copy(), common_columns(parameters)
     for own, common in commons.items():
-        whole[own] += theta[common] * (1.0 + theta[own]) if parameters[own].relative else theta[common]
+        whole[own] += theta[common]
     whole[list(commons.values())] = 0.0
     return whole
 

@@ -79,6 +79,16 @@ class Selection:
     decisions: list[str] = field(default_factory=list)
 
 
+def smaller_than_named(problem: Problem, hypothesis: Hypothesis, theta: FloatArray) -> str:
+    """What a deviation in theta (p,) is too small for to be a cause, in words; "" where none is."""
+    for column in hypothesis.columns:
+        parameter = problem.replay.parameters[column]
+        size = abs(float(theta[column] - problem.priors.centre[column]))
+        if size < parameter.least_named:
+            return f"{parameter.name} of {size:.3g}, and below {parameter.least_named:g} it is no cause"
+    return ""
+
+
 class Selector:
     """Runs the forward selection of one search.
 
@@ -220,7 +230,7 @@ class Selector:
         """What speaks against accepting a refit, in words; "" for nothing."""
         if refit.evidence <= needed:
             return f"{refit.evidence:.1f} is left of {rough.evidence:.1f} once both fits have converged"
-        if small := self._smaller_than_named(refit):
+        if small := smaller_than_named(self.problem, refit.hypothesis, refit.fit.theta):
             return small
         if self._bic_change(refit.fit, stage.nothing_more, refit.hypothesis) >= 0.0:
             return "BIC_eff does not fall"
@@ -237,15 +247,6 @@ class Selector:
                 f"it does not predict the manoeuvres left out (sum {check.differences.sum():.1f}, worst "
                 f"{check.differences.min():.1f})"
             )
-        return ""
-
-    def _smaller_than_named(self, refit: Refit) -> str:
-        """What a deviation is too small for to be a cause, in words; "" where none is."""
-        for column in refit.hypothesis.columns:
-            parameter = self.problem.replay.parameters[column]
-            size = abs(float(refit.fit.theta[column] - self.problem.priors.centre[column]))
-            if size < parameter.least_named:
-                return f"{parameter.name} of {size:.3g}, and below {parameter.least_named:g} it is no cause"
         return ""
 
     def _too_little_left(self, stage: Stage, refit: Refit, linearisation: Linearisation, needed: float) -> str:

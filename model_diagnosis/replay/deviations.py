@@ -146,11 +146,6 @@ def _form_changes() -> dict[str, tuple[_Change, ...]]:
         "form_body_inertia.roll": (_relative("roll_inertia"),),
         "form_body_inertia.pitch": (_relative("pitch_inertia"),),
         **_each_axle("form_wheel_inertia", "spin_inertia"),
-        "form_axles_alike.spring_rate": (_relative("spring_rate", ALL),),
-        "form_axles_alike.damping": (_relative("compression_damping", ALL), _relative("rebound_damping", ALL)),
-        "form_axles_alike.anti_roll_rate": (_relative("anti_roll_rate", ALL),),
-        "form_axles_alike.roll_centre_height": (_absolute("roll_centre_height", ALL),),
-        "form_axles_alike.friction_factor": (_relative("friction", ALL),),
         "form_inferred_braking.front": (_absolute("inferred_front"),),
         "form_lag.accelerometer": (_absolute("accelerometer_lag", least=0.0),),
         "form_lag.gyro": (_absolute("gyro_lag"),),
@@ -224,7 +219,6 @@ _CHANGES: Mapping[str, tuple[_Change, ...]] = {
 _LAWS: Mapping[str, Callable[[np.void, float], None]] = {
     "form_damper_split.share": _damper_split,
     "form_tyre_spring.compliance": _tyre_compliance,
-    "form_axles_alike.support_angle": _support(ALL),
     "anti_dive_anti_lift.front": _support(FRONT),
     "anti_dive_anti_lift.rear": _support(REAR),
     "aero_lift_front_rear.front": _lift("lift_front"),
@@ -235,17 +229,42 @@ _LAWS: Mapping[str, Callable[[np.void, float], None]] = {
     "steering_ratio.factor": _ratio,
 }
 
-RECORD_COLUMNS = frozenset(_CHANGES) | frozenset(_LAWS)
+IN_COMMON: Mapping[str, tuple[str, str]] = {
+    f"form_axles_alike.{name}": (f"{effect}.front", f"{effect}.rear")
+    for name, effect in (
+        ("spring_rate", "spring_rate"),
+        ("damping", "damper_rate"),
+        ("anti_roll_rate", "anti_roll_bar"),
+        ("roll_centre_height", "roll_centre_height"),
+        ("support_angle", "anti_dive_anti_lift"),
+        ("friction_factor", "tyre_friction"),
+    )
+}
+"""What both axles are off by, and each one's own column. They add up: as factors one after the other a fit that moves
+a deviation from the common column to the axles' own would have to follow a curve, and ends on the way."""
+
+RECORD_COLUMNS = frozenset(_CHANGES) | frozenset(_LAWS) | frozenset(IN_COMMON)
 """Columns that change the car's record."""
 
 
 def change_record(record: NDArray[np.void], deviations: Mapping[str, float]) -> None:
     """Apply deviations by column to a car's record (shape ``(1,)``); columns that act elsewhere are passed over."""
     entry = record[0]
-    for column, deviation in deviations.items():
+    for column, deviation in _by_axle(deviations).items():
         if deviation == 0.0:
             continue
         if column in _LAWS:
             _LAWS[column](entry, deviation)
         for change in _CHANGES.get(column, ()):
             change.apply(entry, deviation)
+
+
+def _by_axle(deviations: Mapping[str, float]) -> Mapping[str, float]:
+    """The same with what both axles have in common added to each one's own."""
+    common = {column: deviation for column, deviation in deviations.items() if column in IN_COMMON}
+    if not common:
+        return deviations
+    own = {column: deviation for column, deviation in deviations.items() if column not in common}
+    for column, deviation in common.items():
+        own |= {axle: own.get(axle, 0.0) + deviation for axle in IN_COMMON[column]}
+    return own

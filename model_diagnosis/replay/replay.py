@@ -261,6 +261,10 @@ class Replay(ReplayBase):
         """Column of the catalogue or a term that a column acts as in a manoeuvre; None where it does not act there."""
         return self._columns.acts_as(column, m)
 
+    def sum_of(self, column: int) -> tuple[int, ...]:
+        """Columns whose deviations add up to that of a column: itself, or those of the axles."""
+        return self._columns.sums.get(column, (column,))
+
     @property
     def terms(self) -> Sequence[TermCourse]:
         """Terms that are columns, too."""

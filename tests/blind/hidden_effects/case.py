@@ -132,7 +132,8 @@ class Case:
         store: Mapping[str, Any] = chain if name.startswith("chain:") else car
         name = name.removeprefix("chain:")
         nominal = np.atleast_1d((SENSOR_SHEET | DATA_SHEET)[name].nominal)
-        place = hidden.place if hidden.effect.places > 1 and len(nominal) > 1 else 0
+        # what acts on an axle changes both of its wheels
+        place = hidden.place * len(nominal) // hidden.effect.places if hidden.effect.places > 1 else 0
         value = float(np.atleast_1d(store[name])[place])
         return value / float(nominal[place]) if hidden.effect.relative else value
 

@@ -50,10 +50,10 @@ _NO_MASTER = ("master_pressure", "pedal_force")
 _COAST = ("coast",)
 
 CONFOUNDED: tuple[LookAlike, ...] = (
-    LookAlike("brake_pad_friction", "pressure_sensor_scale", _NO_MASTER),
-    LookAlike("pressure_sensor_scale", "brake_pad_friction", _NO_MASTER),
-    LookAlike("brake_threshold", "pressure_sensor_offset", _NO_MASTER),
-    LookAlike("pressure_sensor_offset", "brake_threshold", _NO_MASTER),
+    LookAlike("brake_pad_friction", "pressure_sensor_scale", _NO_MASTER, smallest=4.2),
+    LookAlike("pressure_sensor_scale", "brake_pad_friction", _NO_MASTER, smallest=25.0),
+    LookAlike("brake_threshold", "pressure_sensor_offset", _NO_MASTER, smallest=6.0),
+    LookAlike("pressure_sensor_offset", "brake_threshold", _NO_MASTER, smallest=6.0),
     LookAlike("aero_drag", "head_wind", (), _COAST, smallest=9.0),
     LookAlike("head_wind", "aero_drag", (), _COAST, smallest=15.0),
 )
