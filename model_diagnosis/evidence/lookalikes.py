@@ -73,10 +73,13 @@ class LookAlikes:
 
     @property
     def leader(self) -> InPlace | None:
-        """The most probable member of the group if it is clearly more probable than the accepted effect."""
-        best = max(self.group, key=lambda effect: float(self.probability[effect]))
-        is_clear = self.probability[best] > LEADS * self.probability[self.group[0]]
-        return self.refitted.get(best) if is_clear else None
+        """The most probable member of the group if it is clearly more probable than the accepted one and fits as well:
+        one that is grouped because no data tells the two apart may have a form that is wrong here."""
+        own = self.group[0]
+        best = self.refitted.get(max(self.group, key=lambda effect: float(self.probability[effect])))
+        if best is None or self.evidence[own] - best.evidence >= SEPARATION_NEEDED:
+            return None
+        return best if self.probability[best.hypothesis.effect] > LEADS * self.probability[own] else None
 
 
 def look_alikes(
