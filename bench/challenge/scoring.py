@@ -170,7 +170,7 @@ def _measure(score: CaseScore, effect: Mapping[str, Any], diagnosis: Mapping[str
     cause = next((cause for cause in named_causes(diagnosis) if cause["effect"] == effect["name"]), None)
     estimate = estimate_of(effect, cause["parameters"]) if cause is not None else None
     true = float(effect["value"])
-    if estimate is None or true == 0.0:  # nothing is a share of an air volume of 0
+    if estimate is None or true == 0.0:  # errors are relative
         return
     score.parameter_error = abs(estimate.value / true - 1.0)
     score.covered = estimate.low <= true <= estimate.high

@@ -11,6 +11,7 @@ from model_diagnosis.evidence.base import fit_base
 from model_diagnosis.evidence.excitation import excitation, excited_columns
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.replay import Replay
+from model_diagnosis.replay.limit import NEAR_SHARE
 from vehicle_model.road_file import RoadFile
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -48,3 +49,13 @@ def test_the_peak_is_a_cause_only_near_the_limit(car: VehicleFile, course: Cours
     assert shown or not reached.intersection(OF_THE_PEAK)
     insufficient = excitation(base.problem, base.at_nothing.information, NEEDED).insufficient
     assert ("tyre_friction" in insufficient) is not shown
+
+
+@pytest.mark.parametrize(("used", "more_slip"), [(NEAR_SHARE, 0.08), (0.2, 0.02)])
+def test_what_less_friction_does_to_the_slip_below_the_limit(used: float, more_slip: float) -> None:
+    """Brush tyre (Pacejka, 3.2): F / (mu Fz) = 1 - (1 - C s / (3 mu Fz))^3, here with a fifth less friction."""
+
+    def slip(friction: float) -> float:
+        return friction * (1.0 - (1.0 - used / friction) ** (1.0 / 3.0))
+
+    assert slip(0.8) / slip(1.0) - 1.0 == pytest.approx(more_slip, abs=0.005)
