@@ -16,7 +16,7 @@ from model_diagnosis.evidence.groups import SEPARATION_NEEDED, canonical_correla
 from model_diagnosis.evidence.hypotheses import Hypothesis, by_effect
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.search import Search
-from model_diagnosis.evidence.selection import Accepted, Selection, smaller_than_named
+from model_diagnosis.evidence.selection import SWAP_GAIN, Accepted, Selection, smaller_than_named
 from model_diagnosis.evidence.stage import linear_evidence, ratios
 from model_diagnosis.evidence.threshold import probabilities
 
@@ -24,10 +24,6 @@ FloatArray = NDArray[np.float64]
 
 REFITTED = 6
 """Look-alikes refitted at most, those with the least expected separation first; and as many rivals by evidence."""
-
-LEADS = 2.0
-"""How many times as probable as the accepted effect a member of its group has to be to stand for the group: refits end
-some units of cost, twice as many of log evidence, above their minimum."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +75,8 @@ class LookAlikes:
         best = self.refitted.get(max(self.group, key=lambda effect: float(self.probability[effect])))
         if best is None or self.evidence[own] - best.evidence >= SEPARATION_NEEDED:
             return None
-        return best if self.probability[best.hypothesis.effect] > LEADS * self.probability[own] else None
+        clearly = np.exp(SWAP_GAIN) * self.probability[own]
+        return best if self.probability[best.hypothesis.effect] > clearly else None
 
 
 def look_alikes(

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.effects.effect import EffectParameter
+from model_diagnosis.effects.in_common import common_columns
 
 FloatArray = NDArray[np.float64]
 
@@ -23,16 +23,6 @@ def is_scattering(parameter: EffectParameter) -> bool:
 COMMON_SHARE = 0.5
 """Share of a scatter's variance that both axles of a car have in common. No vehicle file states it: half lies between
 none (each axle's parts drawn for themselves) and all (one parts bin), and is off by a half at most."""
-
-
-def common_columns(parameters: Sequence[EffectParameter]) -> dict[int, int]:
-    """Column of one axle's number -> column that moves it together with the other axle's."""
-    return {
-        own: common
-        for common, moved in enumerate(parameters)
-        for own, parameter in enumerate(parameters)
-        if moved.common_path and parameter.vehicle_path and fnmatchcase(parameter.vehicle_path, moved.common_path)
-    }
 
 
 def with_commons(theta: FloatArray, parameters: Sequence[EffectParameter]) -> FloatArray:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from model_diagnosis.effects.conditions import Condition, conditions_of, own_parameter
 from model_diagnosis.effects.effect import Effect, EffectParameter
-from model_diagnosis.replay.deviations import IN_COMMON
+from model_diagnosis.effects.in_common import IN_COMMON
 from model_diagnosis.replay.parameters import Values, adjusted_parameter
 from model_diagnosis.replay.terms import TermCourse
 from signals.errors import unknown_name

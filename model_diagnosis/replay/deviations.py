@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from model_diagnosis.effects.in_common import IN_COMMON
 from signals.wheels import WHEELS
 
 ALL, FRONT, REAR = slice(0, 4), slice(0, 2), slice(2, 4)
@@ -228,20 +229,6 @@ _LAWS: Mapping[str, Callable[[np.void, float], None]] = {
     "wheel_inertia_reflected.inertia": _reflected_inertia,
     "steering_ratio.factor": _ratio,
 }
-
-IN_COMMON: Mapping[str, tuple[str, str]] = {
-    f"form_axles_alike.{name}": (f"{effect}.front", f"{effect}.rear")
-    for name, effect in (
-        ("spring_rate", "spring_rate"),
-        ("damping", "damper_rate"),
-        ("anti_roll_rate", "anti_roll_bar"),
-        ("roll_centre_height", "roll_centre_height"),
-        ("support_angle", "anti_dive_anti_lift"),
-        ("friction_factor", "tyre_friction"),
-    )
-}
-"""What both axles are off by, and each one's own column. They add up: as factors one after the other a fit that moves
-a deviation from the common column to the axles' own would have to follow a curve, and ends on the way."""
 
 RECORD_COLUMNS = frozenset(_CHANGES) | frozenset(_LAWS) | frozenset(IN_COMMON)
 """Columns that change the car's record."""

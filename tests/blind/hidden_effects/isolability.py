@@ -198,17 +198,30 @@ class Truth:
 
     Attributes
     ----------
-    step : change (N,) by a small step in its direction
-    change : change (N,) by the whole effect, as the small step tells it
-    secant : the same from a car without it to one with all of it: a dead time has no small steps
+    without, whole : car and measuring chain without the effect and with all of it
     """
 
     effect: HiddenEffect
+    deviation: float
     place: int
     point: Point
-    step: FloatArray
-    change: FloatArray
-    secant: FloatArray
+    without: tuple[Numbers, Numbers]
+    whole: tuple[Numbers, Numbers]
+
+    @cached_property
+    def step(self) -> FloatArray:
+        """Change (N,) by a small step in its direction."""
+        return _stepped(self.effect, self.place, self.point, float(np.copysign(_STEP, self.deviation)))
+
+    @property
+    def change(self) -> FloatArray:
+        """Change (N,) by the whole effect, as the small step tells it."""
+        return self.step * abs(self.deviation) / (_STEP * self.effect.scatter)
+
+    @property
+    def secant(self) -> FloatArray:
+        """The same from the car without it to the one with all of it: a dead time has no small steps."""
+        return self.point.change(*self.whole) - self.point.change(*self.without)
 
 
 def truth_of(
@@ -220,14 +233,11 @@ def truth_of(
 ) -> Truth:
     """Look at an effect (effect, deviation, place) of a car and a measuring chain that are without it."""
     effect, deviation, place = hidden
-    whole_car, whole_chain, half_car, half_chain = dict(car), dict(chain), dict(car), dict(chain)
-    effect.change(whole_car, whole_chain, deviation, place)
-    effect.change(half_car, half_chain, 0.5 * deviation, place)
-    scenes = tuple(scene(whole_car, whole_chain, script) for script in scripts)
-    point = Point(half_car, half_chain, scenes, compared_channels(missing))
-    step = _stepped(effect, place, point, float(np.copysign(_STEP, deviation)))
-    secant = point.change(whole_car, whole_chain) - point.change(dict(car), dict(chain))
-    return Truth(effect, place, point, step, step * abs(deviation) / (_STEP * effect.scatter), secant)
+    whole, half = (dict(car), dict(chain)), (dict(car), dict(chain))
+    effect.change(*whole, deviation, place)
+    effect.change(*half, 0.5 * deviation, place)
+    point = Point(*half, tuple(scene(*whole, script) for script in scripts), compared_channels(missing))
+    return Truth(effect, deviation, place, point, (car, chain), whole)
 
 
 def separation(truth: Truth, rivals: Sequence[HiddenEffect]) -> dict[str, float]:

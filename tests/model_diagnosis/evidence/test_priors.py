@@ -5,7 +5,8 @@ import pytest
 
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.effects.form import REPLAYED
-from model_diagnosis.evidence.priors import COMMON_SHARE, Priors, common_columns, with_commons
+from model_diagnosis.effects.in_common import common_columns
+from model_diagnosis.evidence.priors import COMMON_SHARE, Priors, with_commons
 
 PARAMETERS = [parameter for effect in REPLAYED for parameter in effect.parameters]
 COLUMNS = [column for effect in REPLAYED for column in effect.columns]
