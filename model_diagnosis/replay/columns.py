@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from model_diagnosis.effects.conditions import Condition, conditions_of, own_parameter
 from model_diagnosis.effects.effect import Effect, EffectParameter
-from model_diagnosis.effects.in_common import IN_COMMON
 from model_diagnosis.replay.parameters import Values, adjusted_parameter
 from model_diagnosis.replay.terms import TermCourse
 from signals.errors import unknown_name
@@ -92,16 +91,6 @@ class Columns:
                 raise unknown_name("column of the replay", column, self.names)
             return self._place[column]
         return int(column)
-
-    @cached_property
-    def sums(self) -> dict[int, tuple[int, ...]]:
-        """Columns that are the sum of others, those of both axles, and of which."""
-        place = self._place
-        return {
-            place[common]: tuple(place[axle] for axle in axles)
-            for common, axles in IN_COMMON.items()
-            if common in place and all(axle in place for axle in axles)
-        }
 
     def deviations(self, theta: FloatArray, m: int | None = None) -> dict[str, float]:
         """Deviations that are not 0, by column of the catalogue or of a term; ``m`` with those of that manoeuvre only.

@@ -237,7 +237,9 @@ RECORD_COLUMNS = frozenset(_CHANGES) | frozenset(_LAWS) | frozenset(IN_COMMON)
 def change_record(record: NDArray[np.void], deviations: Mapping[str, float]) -> None:
     """Apply deviations by column to a car's record (shape ``(1,)``); columns that act elsewhere are passed over."""
     entry = record[0]
-    for column, deviation in _by_axle(deviations).items():
+    by_axle = _by_axle(deviations)
+    # numbers of the data sheet come first: what a cause adds to one does not grow with it
+    for column, deviation in sorted(by_axle.items(), key=lambda pair: not pair[0].startswith("form_")):
         if deviation == 0.0:
             continue
         if column in _LAWS:

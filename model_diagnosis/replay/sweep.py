@@ -38,16 +38,21 @@ class _Step:
 def sweep(replay: "Replay", theta: FloatArray, m: int, columns: Sequence[int]) -> FloatArray:
     """Derivatives (n, c, len(columns)) of the prediction of manoeuvre ``m`` at theta.
 
-    That of what both axles have in common is the sum of theirs: near the limit a run is rough, and three differences of
-    their own would seem to tell it from the two.
+    A column that does what others do together has the sum of theirs: near the limit a run is rough, and differences of
+    their own would seem to tell it from those.
     """
     summed = {column: replay.sum_of(column) for column in columns}
     asked = list(dict.fromkeys(part for parts in summed.values() for part in parts))
     found = _Sweep(replay, theta, m, asked).run()
     if asked == list(columns):
         return found
+    place = {part: index for index, part in enumerate(asked)}
     return np.stack(
-        [np.sum([found[:, :, asked.index(part)] for part in summed[column]], axis=0) for column in columns], axis=2
+        [
+            np.sum([share * found[:, :, place[part]] for part, share in summed[column].items()], axis=0)
+            for column in columns
+        ],
+        axis=2,
     )
 
 

@@ -119,3 +119,19 @@ def test_what_both_axles_have_in_common_is_the_sum_of_theirs(replay: Replay, com
     of_front, of_common, of_rear = np.moveaxis(replay.sensitivities(theta, [front, together, rear])[PULSED], 2, 0)
     np.testing.assert_allclose(of_common, of_front + of_rear, rtol=1e-12)
     np.testing.assert_array_equal(replay.sensitivities(theta, [together])[PULSED][:, :, 0], of_common)
+
+
+def test_an_inertia_that_spins_with_the_wheels_adds_to_their_own(replay: Replay) -> None:
+    """J of the data sheet, (1 + deviation) of it, and what a driveline adds: no difference of its own can then tell the
+    added inertia from that of the driven wheels."""
+    names = ("form_wheel_inertia.front", "form_wheel_inertia.rear", "wheel_inertia_reflected.inertia")
+    front, rear, reflected = (replay.columns.index(name) for name in names)
+    inertia, driven = (replay.car.record[0][name] for name in ("spin_inertia", "drive_share"))
+    axle = front if driven[0] > 0.0 else rear
+    own, added, theta = 0.04, 0.2, np.zeros(len(replay.columns))
+    theta[[axle, reflected]] = own, added
+    as_own = np.zeros_like(theta)
+    as_own[axle] = own + added / inertia[0 if axle == front else 2]
+    np.testing.assert_allclose(replay.predict(theta, PULSED), replay.predict(as_own, PULSED), rtol=1e-9, atol=1e-9)
+    of_axle, of_added = np.moveaxis(replay.sensitivities(theta, [axle, reflected])[PULSED], 2, 0)
+    np.testing.assert_allclose(of_added, of_axle / inertia[0 if axle == front else 2], rtol=1e-12)
