@@ -9,21 +9,16 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
 
 from signals.wheels import WHEELS
 
 FloatArray = NDArray[np.float64]
 
 _AXES = {"longitudinal": "longitudinal_acceleration", "lateral": "lateral_acceleration"}
-_SMOOTHING_S = 0.05
 
 ACCELERATION_COLUMNS = ("accelerometer_offset.longitudinal", "accelerometer_scale.longitudinal")
-PRESSURE_COLUMNS = (
-    "pressure_sensor_scale.wheels",
-    "pressure_sensor_offset.wheels",
-    "pressure_sensor_lag.time_constant",
-)
+PRESSURE_LAG = "pressure_sensor_lag.time_constant"
+PRESSURE_COLUMNS = ("pressure_sensor_scale.wheels", "pressure_sensor_offset.wheels", PRESSURE_LAG)
 """Columns that change what drives a replay; the acceleration drives it only where a force was not measured."""
 
 
@@ -165,9 +160,8 @@ def true_inputs(
 ) -> dict[str, FloatArray]:
     """What drives the replay as it was, from what was reported.
 
-    Wheel pressures are p = (p' + tau dp'/dt − b)/s, never below zero; the derivative, which only the lag sees, is of
-    p' smoothed over 50 ms. The longitudinal acceleration, which stands in for forces that no channel tells, is
-    a = (a' − b_x)/s_x.
+    Wheel pressures are p = (p' + tau dp'/dt − b)/s, never below zero. The longitudinal acceleration, which stands in
+    for forces that no channel tells, is a = (a' − b_x)/s_x.
 
     Parameters
     ----------
@@ -187,19 +181,12 @@ def true_inputs(
 def _true_pressures(inputs: dict[str, FloatArray], deviations: Mapping[str, float], step: float) -> None:
     scale = 1.0 + deviations.get("pressure_sensor_scale.wheels", 0.0)
     offset = deviations.get("pressure_sensor_offset.wheels", 0.0)
-    lag = deviations.get("pressure_sensor_lag.time_constant", 0.0)
+    lag = deviations.get(PRESSURE_LAG, 0.0)
     if scale == 1.0 and offset == 0.0 and lag == 0.0:
         return
     names = [name for wheel in WHEELS if (name := f"brake_pressure_{wheel}") in inputs]
     if not names:
         return
     reported = np.stack([inputs[name] for name in names])
-    leading = reported + lag * _slope(reported, step) if lag != 0.0 else reported
+    leading = reported + lag * np.gradient(reported, step, axis=1) if lag != 0.0 else reported
     inputs.update(zip(names, np.maximum((leading - offset) / scale, 0.0), strict=True))
-
-
-def _slope(values: FloatArray, step: float) -> FloatArray:
-    """Derivative (c, n) of smoothed rows."""
-    window = max(3, round(_SMOOTHING_S / step) | 1)
-    slope: FloatArray = np.gradient(uniform_filter1d(values, window, axis=1, mode="nearest"), step, axis=1)
-    return slope

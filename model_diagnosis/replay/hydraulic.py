@@ -17,8 +17,9 @@ from hydraulics.state import STATE_RECORD
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.effects.form import FORM_HYDRAULICS_EFFECTS
 from model_diagnosis.effects.hydraulics import HYDRAULICS_EFFECTS
+from model_diagnosis.effects.sensor_chain import PRESSURE_LAG
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
-from model_diagnosis.replay.hydraulic_run import hydraulic_run
+from model_diagnosis.replay.hydraulic_run import hydraulic_run, lag_shares
 from model_diagnosis.replay.phases import Phases
 from model_diagnosis.replay.smoothing import pressure_without_noise
 from model_diagnosis.replay.state import SUBSTEPS
@@ -204,12 +205,12 @@ class HydraulicReplay:
         noise: float = 0.0,
         least: FloatArray | None = None,
     ) -> FloatArray:
-        """Wheel pressures (n, 4) [Pa], each sample before its correction.
+        """Wheel pressures (n, 4) [Pa] behind the lag of their sensors, each sample before its correction.
 
         Parameters
         ----------
         deviations : by column; those of other parts are passed over
-        measured, valid : (n, 4) pressures that the observer corrects on, 1 where they hold
+        measured, valid : (n, 4) readings that the observer corrects on, lagged ones with a lag; 1 where they hold
         gain : of the observer per sample; 0 for a free run
         noise : standard deviation of the measured pressures' noise [Pa]; up to three of it correct nothing
         least : (n, 4) least gains; zeros if left out
@@ -234,6 +235,7 @@ class HydraulicReplay:
         throttled = deviations.get("form_return.lag", 0.0)
         # an implicit step: its slope at a lag of 0 is not 0, as that of an exponential would be
         return_kept = throttled / (throttled + STEP_S)
+        lag = deviations.get(PRESSURE_LAG, 0.0)
         changes = tuple((column, value) for column, value in deviations.items() if column in _PATHS)
         total, total_between = np.zeros((len(master), 4)), np.zeros(shape)
         out = np.empty_like(total)
@@ -242,7 +244,7 @@ class HydraulicReplay:
             between = np.zeros(shape)  # rows in which this unit rests are not written
             hydraulic_run(
                 record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump,
-                log.cornering, log.behind_commands, log.behind_master, measured, valid, volume, return_kept, gain,
+                log.cornering, log.behind_commands, log.behind_master, measured, valid, volume, return_kept, lag, gain,
                 least, dead_band, between, out,
             )  # fmt: skip
             total += share * out
@@ -315,9 +317,8 @@ def _lagged(values: FloatArray, time_constant: float) -> FloatArray:
 
     A lag far below a sample delays by its time constant; values held over a sample would not feel it.
     """
-    kept = float(np.exp(-SAMPLE_TIME_S / time_constant))
-    late = time_constant / SAMPLE_TIME_S * (1.0 - kept)
-    lagged, _ = lfilter([1.0 - late, late - kept], [1.0, -kept], values, zi=np.array([late * values[0]]))
+    kept, of_begin, of_end = lag_shares(time_constant, SAMPLE_TIME_S)
+    lagged, _ = lfilter([of_end, of_begin], [1.0, -kept], values, zi=np.array([(1.0 - of_end) * values[0]]))
     return np.asarray(lagged, dtype=np.float64)
 
 
@@ -361,13 +362,8 @@ def _whole_delays(values: Mapping[str, float]) -> list[tuple[FloatArray, dict[st
     ]
 
 
-def reported_pressure(deviations: Mapping[str, float], true: FloatArray) -> FloatArray:
-    """What the wheels' pressure sensors report (n, 4) of true pressures: lag, scale, offset."""
-    lag = deviations.get("pressure_sensor_lag.time_constant", 0.0)
-    reported = true
-    if lag > 0.0:
-        share = SAMPLE_TIME_S / (lag + SAMPLE_TIME_S)
-        reported, _ = lfilter([share], [1.0, share - 1.0], true, axis=0, zi=(1.0 - share) * true[:1])
+def reported_pressure(deviations: Mapping[str, float], lagged: FloatArray) -> FloatArray:
+    """What the wheels' pressure sensors report (n, 4) of pressures behind their lag: scale, offset."""
     scale = deviations.get("pressure_sensor_scale.wheels", 0.0)
     offset = deviations.get("pressure_sensor_offset.wheels", 0.0)
-    return reported if scale == 0.0 and offset == 0.0 else reported * (1.0 + scale) + offset
+    return lagged if scale == 0.0 and offset == 0.0 else lagged * (1.0 + scale) + offset

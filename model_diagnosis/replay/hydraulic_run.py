@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from hydraulics.pressure import line_pressure, pressure_step
-from hydraulics.record import HOLD, INCREASE, LONGEST_DELAY_STEPS
+from hydraulics.record import HOLD, INCREASE, LONGEST_DELAY_STEPS, STEP_S
 from hydraulics.valves import stiffness
 from model_diagnosis.replay.record import Record
 from model_diagnosis.replay.state import SUBSTEPS
@@ -65,6 +65,20 @@ def _throttle_return(p: Record, s: Record, wheel: int, before: float, supply: fl
     slowest = line + kept * (before - line)
     if slowest > line + _NOTHING_PA and s.pressure[wheel] < slowest:
         _set_pressure(s, wheel, slowest)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def lag_shares(lag: float, step: float) -> tuple[float, float, float]:
+    """What a first-order lag [s] keeps of its output over a step [s], and takes of its input's begin and end.
+
+    Exact for an input on a straight line; without a lag the input's end is the output.
+    """
+    if lag <= 0.0:
+        return 0.0, 0.0, 1.0
+    steps = step / lag
+    kept = math.exp(-steps)
+    mean = (1.0 - kept) / steps
+    return kept, mean - kept, 1.0 - mean
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -131,13 +145,14 @@ def hydraulic_run(
     valid: NDArray[np.float64],
     gap_volume: float,
     return_kept: float,
+    sensor_lag: float,
     gain: float,
     least: NDArray[np.float64],
     dead_band: float,
     between: NDArray[np.float64],
     out: NDArray[np.float64],
 ) -> None:
-    """Wheel pressures before each sample's correction.
+    """Wheel pressures behind the lag of their sensors, before each sample's correction.
 
     Parameters
     ----------
@@ -148,9 +163,10 @@ def hydraulic_run(
     inlet, outlet, pump : (n, 4), (n, 4), (n,) commands, 1 energised
     cornering : (n,) True where the pads are pushed back
     behind_commands, behind_master : how much later than these the wheel pressures are taken [samples]
-    measured, valid : (n, 4) pressures [Pa] on which the observer corrects, and 1 where they hold
+    measured, valid : (n, 4) lagged pressures [Pa] on which the observer corrects, and 1 where they hold
     gap_volume : m^3, behind the pads after cornering
     return_kept : share of the pressure beyond the supply that is left 1 ms later; 0 where it returns at once
+    sensor_lag : of the sensors that measure the wheels' pressures [s]
     gain : of the observer, per sample
     least : (n, 4) least gains, where the observer begins anew behind a gap of the inputs
     dead_band : difference [Pa] up to which the observer leaves the pressure alone. Noise above the supply flows back at
@@ -161,17 +177,19 @@ def hydraulic_run(
     """
     p = parameters[0]
     s = memory[0]
-    unused, gap, begin = np.zeros(18), np.zeros(4), np.zeros(4)
+    unused, gap, begin, lagged = np.zeros(18), np.zeros(4), np.zeros(4), np.zeros(4)
+    kept, of_begin, of_end = lag_shares(sensor_lag, STEP_S)
     for i in range(4):
         s.previous_state[i] = -1
         s.pressure[i] = measured[0, i] if valid[0, i] > 0.0 else master[0]
+        lagged[i] = s.pressure[i]
     rows = master.shape[0]
-    read, commanded = 0, -_QUIET_SAMPLES  # samples whose commands have been looked at, and the last one with any
+    seen, commanded = 0, -_QUIET_SAMPLES  # samples whose commands have been looked at, and the last one with any
     for k in range(rows):
-        while read <= _row(k + 0.5 + behind_commands, rows):
-            if _is_commanded(inlet, outlet, pump, read):
-                commanded = read
-            read += 1
+        while seen <= _row(k + 0.5 + behind_commands, rows):
+            if _is_commanded(inlet, outlet, pump, seen):
+                commanded = seen
+            seen += 1
         is_quiet = _row(k - 0.5 + behind_commands, rows) - commanded >= _QUIET_SAMPLES
         first, last = _row(k - 1.0 + behind_master, rows), _row(k + 1.0 + behind_master, rows)  # that supply the steps
         # brakes at rest, as in most of a drive, are not stepped
@@ -198,19 +216,29 @@ def hydraulic_run(
                     gap[1] = _fill_gap(p, s, 1, before_1, gap[1])
                     gap[2] = _fill_gap(p, s, 2, before_2, gap[2])
                     gap[3] = _fill_gap(p, s, 3, before_3, gap[3])
+                lagged[0] = kept * lagged[0] + of_begin * before_0 + of_end * s.pressure[0]
+                lagged[1] = kept * lagged[1] + of_begin * before_1 + of_end * s.pressure[1]
+                lagged[2] = kept * lagged[2] + of_begin * before_2 + of_end * s.pressure[2]
+                lagged[3] = kept * lagged[3] + of_begin * before_3 + of_end * s.pressure[3]
                 if len(between) and tick % _TICKS_OF_STEP == _TICKS_OF_STEP // 2 - 1:
                     for i in range(4):
                         between[k, tick // _TICKS_OF_STEP, i] = s.pressure[i]
             if len(between):
                 _leave_line(between[k], begin, s)
+        elif k > 0:
+            for _ in range(TICKS):  # of no pressure in the brakes, to the last bit as above
+                for i in range(4):
+                    lagged[i] *= kept
         for i in range(4):
-            out[k, i] = s.pressure[i]
+            out[k, i] = lagged[i]
             if valid[k, i] > 0.0:
-                apart = measured[k, i] - s.pressure[i]
+                apart = measured[k, i] - lagged[i]
                 band = dead_band if least[k, i] <= gain else 0.0
                 if abs(apart) > band:
                     drawn = max(gain, least[k, i]) * (apart - math.copysign(band, apart))
                     _move_target(p, s, i, drawn, master[k])
-                    _set_pressure(s, i, max(s.pressure[i] + drawn, 0.0))
+                    before = s.pressure[i]
+                    _set_pressure(s, i, max(before + drawn, 0.0))
+                    lagged[i] += s.pressure[i] - before
             if cornering[k] and s.pressure[i] < _RELEASED_PA:
                 gap[i] = gap_volume

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import siegelslopes
 
-from model_diagnosis.effects.sensor_chain import true_inputs
+from model_diagnosis.effects.effect import EffectParameter
+from model_diagnosis.effects.sensor_chain import PRESSURE_LAG, true_inputs
+from model_diagnosis.effects.sensors import SENSOR_EFFECTS
 from model_diagnosis.replay.driving_pressures import driving_pressures, numbers_by_pressures
 from model_diagnosis.replay.gaps import begun_anew
 from model_diagnosis.replay.hydraulic import GAIN, HYDRAULIC_COLUMNS, HydraulicReplay, reported_pressure
@@ -33,11 +35,18 @@ _LARGEST_SCALE = 0.5
 """As far as the catalogue lets a sensor's scale be off."""
 
 _KEPT: dict[str, dict[str, float]] = {}
-_MOST_KEPT = 8
+_MOST_KEPT = 16
 """Checks of the data replay the same pressures a dozen times beside other channels."""
 
+_SENSORS = {
+    column: parameter
+    for effect in SENSOR_EFFECTS
+    for column, parameter in zip(effect.columns, effect.parameters, strict=True)
+}
 _ORDINARY = {column: one for column, one in HYDRAULIC_COLUMNS.items() if one.ordinary_std > 0.0}
 """Columns, and their parameters, in which every car's unit is off."""
+_OF_READINGS = _ORDINARY | {column: one for column, one in _SENSORS.items() if column == PRESSURE_LAG}
+"""The same, and how far the sensors' readings are behind."""
 
 
 class WheelPressures:
@@ -54,21 +63,26 @@ class WheelPressures:
         self._noise = own_noise(vehicle, PRESSURES[0])
 
     def at(self, deviations: Mapping[str, float], prepared: Prepared, *, free: bool = False) -> FloatArray | None:
-        """True pressures (n, 4) [Pa] by the unit; None where the log tells nothing of it."""
+        """Pressures (n, 4) [Pa] by the unit, as the lag of their sensors lets them through where those measured them.
+
+        None where the log tells nothing of it.
+        """
         log = prepared.hydraulics
         if log is None or (prepared.pressure_known and not prepared.replays_pressures):
             return None
         measured = np.zeros((prepared.manoeuvre.samples, 4))
+        without_lag = {column: value for column, value in deviations.items() if column != PRESSURE_LAG}
         if prepared.pressure_known:
             # what the observer corrects on keeps its noise: without it, it would know of samples still to come
             manoeuvre = prepared.manoeuvre
-            reported = true_inputs(deviations, manoeuvre.time, manoeuvre.channels)
-            measured = np.stack([reported[name] for name in PRESSURES], axis=1)
+            lagged = true_inputs(without_lag, manoeuvre.time, manoeuvre.channels)
+            measured = np.stack([lagged[name] for name in PRESSURES], axis=1)
         gain = 0.0 if free else GAIN
         # a unit that moves by steps is up to its threshold off: there the observer is needed for small differences too
         noise = self._noise if self.unit.flows else 0.0
         least = None if free else prepared.pressure_least
-        return self.unit.wheels(deviations, log, measured, prepared.pressure_valid, gain, noise, least)
+        seen = deviations if prepared.pressure_known else without_lag
+        return self.unit.wheels(seen, log, measured, prepared.pressure_valid, gain, noise, least)
 
     def settled(self, manoeuvres: Sequence[Prepared]) -> list[Prepared]:
         """The manoeuvres with what the vehicle's own unit tells of them, in the form that all of them show together."""
@@ -82,8 +96,10 @@ class WheelPressures:
             ways.append(sensors)
         by_flow = min(self._misfit(deviations, manoeuvres) for deviations in ways)
         self.unit.flows = by_steps > _STEPS_SHARE * by_flow
-        begun = [replace(one, pressure_least=self._least(one)) for one in manoeuvres]
-        numbers = self._numbers(begun)
+        # valves that are late, or sensors that are, err at every flank: a lost command is what their numbers leave
+        numbers = self._numbers(manoeuvres, _OF_READINGS)
+        begun = [replace(one, pressure_least=self._least(numbers, one)) for one in manoeuvres]
+        numbers = self._numbers(begun, _ORDINARY)
         return [self._driven(numbers, one) for one in begun]
 
     def _sensors(self, manoeuvres: Sequence[Prepared]) -> dict[str, float]:
@@ -118,18 +134,18 @@ class WheelPressures:
         error: FloatArray = prepared.measured[:, _places(prepared)] - reported_pressure(deviations, predicted)
         return error
 
-    def _least(self, prepared: Prepared) -> FloatArray:
-        """Least gains (n, 4) of the observer, with those where a command of the valves was lost."""
+    def _least(self, numbers: Mapping[str, float], prepared: Prepared) -> FloatArray:
+        """Least gains (n, 4) of the observer, with those where a command of the valves was lost for such a unit."""
         if not prepared.replays_pressures:
             return prepared.pressure_least
 
         def off(least: FloatArray) -> FloatArray:
-            return prepared.pressure_valid * np.abs(self._error({}, replace(prepared, pressure_least=least)))
+            return prepared.pressure_valid * np.abs(self._error(numbers, replace(prepared, pressure_least=least)))
 
         return begun_anew(off, prepared.pressure_least, self._noise)
 
-    def _numbers(self, manoeuvres: Sequence[Prepared]) -> dict[str, float]:
-        """What the measured pressures tell of the unit's numbers; a unit that moves by steps jumps with them."""
+    def _numbers(self, manoeuvres: Sequence[Prepared], columns: Mapping[str, EffectParameter]) -> dict[str, float]:
+        """What the measured pressures tell of such columns; a unit that moves by steps jumps with them."""
         telling = [one for one in manoeuvres if one.replays_pressures and one.inputs.values[:, :4].any()]
         if not self.unit.flows or not telling:
             return {}
@@ -137,9 +153,9 @@ class WheelPressures:
         def errors(deviations: Mapping[str, float]) -> FloatArray:
             return np.concatenate([(one.pressure_valid * self._error(deviations, one)).ravel() for one in telling])
 
-        key = self._digest(telling)
+        key = f"{self._digest(telling)} {len(columns)}"
         if key not in _KEPT:
-            found = numbers_by_pressures(errors, list(_ORDINARY), list(_ORDINARY.values()), self._noise)
+            found = numbers_by_pressures(errors, list(columns), list(columns.values()), self._noise)
             while len(_KEPT) >= _MOST_KEPT:
                 _KEPT.pop(next(iter(_KEPT)))
             _KEPT[key] = found

@@ -41,7 +41,7 @@ def test_columns_are_the_derivatives(column):
 
 
 def test_pressures_are_turned_back():
-    """Reported = (true behind a lag) · scale + offset; without lag exact, with it within the smoothing."""
+    """Reported = (true behind a lag) · scale + offset; without lag exact, with it to second order."""
     true = 2e6 + 1e6 * np.sin(3.0 * TIME)
     reported = {"brake_pressure_fl": true * 1.1 + 5e4}
     deviations = {"pressure_sensor_scale.wheels": 0.1, "pressure_sensor_offset.wheels": 5e4}

@@ -117,6 +117,29 @@ def test_booster_lags_behind_a_ramp_by_its_time_constant(
     assert lagged == pytest.approx(car.brakes.booster_gain * 100.0 * late, rel=1e-9, abs=1e-3)
 
 
+@pytest.mark.parametrize("lag", [1e-5, 0.005, 0.04])
+def test_a_wheels_sensor_reads_a_ramp_by_its_time_constant_late(car: VehicleFile, log: Manoeuvre, lag: float) -> None:
+    """As the booster's lag above. The observer compares what the sensor reads: without noise it has nothing to correct,
+    while a reading taken for the pressure would draw the unit a time constant behind."""
+    model = Replay(car, [log])
+    unit, prepared = model.pressures.unit, model.prepared[0]
+    unit.flows = True
+    n = len(log.time)
+    quiet, none = np.zeros((n, 4)), np.zeros(n)
+    assert prepared.hydraulics is not None
+    ramp = replace(
+        prepared.hydraulics,
+        master=2e6 * log.time, inlet=quiet, outlet=quiet, pump=none, cornering=np.zeros(n, dtype=np.bool_),
+    )  # fmt: skip
+    free = unit.wheels({}, ramp, quiet, quiet, gain=0.0)
+    rate = np.gradient(free[:, 0], log.time)
+    steady = slice(100, -1)
+    assert rate[steady] == pytest.approx(2e6, rel=1e-3)
+    for measured, valid in ((quiet, quiet), (free - 2e6 * lag, np.ones((n, 4)))):
+        read = unit.wheels({"pressure_sensor_lag.time_constant": lag}, ramp, measured, valid)
+        assert free[steady, 0] - read[steady, 0] == pytest.approx(2e6 * lag, rel=1e-3, abs=1.0)
+
+
 @pytest.mark.parametrize(
     "column",
     [
@@ -204,7 +227,15 @@ def test_what_acts_by_valves_is_left_out_where_none_is_moved_and_changes_no_bit_
 
 
 @pytest.mark.parametrize(
-    "effect", ["", "form_return.lag", "caliper_air.fl", "hydraulic_leak.rr", "circuit_failure.first"]
+    "effect",
+    [
+        "",
+        "form_return.lag",
+        "caliper_air.fl",
+        "hydraulic_leak.rr",
+        "circuit_failure.first",
+        "pressure_sensor_lag.time_constant",
+    ],
 )
 @pytest.mark.parametrize("flows", [False, True])
 def test_steps_that_are_left_out_while_the_brakes_rest_change_no_bit(
