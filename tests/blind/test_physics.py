@@ -186,6 +186,18 @@ def test_discs_take_the_heat_of_the_brakes() -> None:
     assert warmer == pytest.approx(0.9 * work / 4000.0, rel=5e-3)
 
 
+def test_friction_rises_within_a_stop_and_begins_anew_with_the_next() -> None:
+    """mu (1 + a E/E0), E what the brakes took since they were last released, in two gentle stops."""
+    rise = 0.2
+    out, usual = (simulate(as_record(_changed(in_stop_rise=a)), SIX[1].drive()) for a in (rise, 0.0))
+    torque, usual_torque = _columns(out, "brake_torque"), _columns(usual, "brake_torque")
+    power = (torque * _columns(out, "wheel_speed")).sum(axis=1)
+    for begin, at in ((0.8, 2.8), (4.5, 4.8), (4.5, 7.0)):
+        energy = power[round(1e3 * begin) : round(1e3 * at)].sum() * 1e-3
+        share = torque[round(1e3 * at), 0] / usual_torque[round(1e3 * at), 0]
+        assert share == pytest.approx(1.0 + rise * energy / 5e5, abs=1e-3)
+
+
 def test_left_and_right_mirror_each_other() -> None:
     """Left and right mirror each other in a straight ABS stop."""
     out = simulate(as_record(nominal_car()), SIX[2].drive())

@@ -10,7 +10,7 @@ import os
 import sys
 from pathlib import Path
 
-VERSION = "8"
+VERSION = "9"
 
 FORM_DIFFERENCES = (
     "step 0.5 ms; chassis by the two-step Adams-Bashforth rule, wheel spin and tyre force staggered (symplectic)",

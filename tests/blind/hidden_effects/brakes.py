@@ -21,6 +21,8 @@ AMBIENT_DEGC = 20.0
 FULL_ACCUMULATOR_PA = 5e5
 REFERENCE_STOP_J = 5e5
 """Energy of a stop from 100 km/h by which the rise of friction within a stop is scaled."""
+RELEASED_PA = 3e4
+"""Highest pressure of the brakes between two stops, a sensor's noise."""
 
 
 @njit(cache=True)
@@ -73,7 +75,7 @@ def brake_torque(
     turned : rad
         Angle of the wheel since the start.
     disc, stop_energy : degC, J
-        Temperature of the disc; energy that the car's brakes took in this stop.
+        Temperature of the disc; energy that the car's brakes took since they were last released.
     """
     acting = max(piston - car.brake_threshold, 0.0)
     gain = car.pad_gain[i] * car.wheel_brake[i]

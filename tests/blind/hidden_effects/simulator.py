@@ -186,6 +186,8 @@ def _pressures(car: Any, s: Any, cycles: FloatArray, time: float) -> None:
         if s.opening_out[i] > 0.1:
             s.pressure[i] = brakes.released(car, i, s.volumes, circuit, before, s.pressure[i])
     brakes.pump_back(car, s.volumes, s.pump > 0.5, STEP_S)
+    if np.max(s.pressure) < brakes.RELEASED_PA:
+        s.stop_energy = 0.0
 
 
 @njit(cache=True)
