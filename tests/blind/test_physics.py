@@ -10,7 +10,7 @@ from hidden_effects.car import GRAVITY_M_S2, Numbers, as_record, nominal_car
 from hidden_effects.chassis import pitch_rates, roll_rates, sprung_inertias
 from hidden_effects.manoeuvres import HELD_OUT, SIX, Script, nothing, ramps
 from hidden_effects.outputs import INDEX
-from hidden_effects.simulator import simulate
+from hidden_effects.simulator import STEP_S, commanded, simulate
 from hidden_effects.tyre import ARCTANGENT, EXPONENTIAL, exponential, steady_forces
 
 WHEELS = ("fl", "fr", "rl", "rr")
@@ -158,6 +158,15 @@ def test_a_dumped_brake_gives_no_more_fluid_than_its_accumulator_takes() -> None
         pressure = released(record, 0, volumes, 0, pressure, lower)
     assert pressure == pytest.approx(8e6 - 2e-7 * 7e12, rel=1e-9)
     assert volumes[0] == pytest.approx(2e-7, rel=1e-9)
+
+
+@pytest.mark.parametrize("delay", [0.0, 1e-4, 0.00444, 0.0101])
+def test_a_late_valve_is_late_by_its_delay_and_not_by_whole_steps(delay: float) -> None:
+    """A command of 1 from the instant of cycle 3 on, 25 ms: the sum of what acts is the time since then."""
+    cycles = np.zeros((20, 4))
+    cycles[3:] = 1.0
+    acting = sum(commanded(cycles, 0, n * STEP_S - delay) for n in range(200)) * STEP_S
+    assert acting == pytest.approx(0.1 - 0.025 - delay, abs=1e-9)
 
 
 def test_pitch_rings_with_its_own_frequency() -> None:

@@ -170,14 +170,24 @@ def _control(car: Any, s: Any, braking: bool) -> None:
 
 
 @njit(cache=True)
+def commanded(cycles: FloatArray, i: int, time: float) -> float:
+    """Mean command (cycles, 4) of a valve over the step that begins at ``time``: it may switch within it."""
+    end = (time + STEP_S + CYCLE_SHIFT_S) / controller.CYCLE_S
+    last = max(int(end + 1e-9), 0)
+    since = (end - last) * controller.CYCLE_S / STEP_S
+    share = min(max(since, 0.0), 1.0)
+    before: float = cycles[max(last - 1, 0), i]
+    now: float = cycles[last, i]
+    return before + share * (now - before)
+
+
+@njit(cache=True)
 def _pressures(car: Any, s: Any, cycles: FloatArray, time: float) -> None:
     """Wheel pressures and accumulators after a step; ``cycles`` (2, cycles, 4) are inlet and outlet commands."""
     share = STEP_S / brakes.VALVE_LAG_S
     for i in range(4):
-        late_in = max(int((time - car.inlet_delay[i] + CYCLE_SHIFT_S) / controller.CYCLE_S + 1e-9), 0)
-        late_out = max(int((time - car.outlet_delay[i] + CYCLE_SHIFT_S) / controller.CYCLE_S + 1e-9), 0)
-        s.opening_in[i] += share * (1.0 - cycles[0, late_in, i] - s.opening_in[i])
-        s.opening_out[i] += share * (cycles[1, late_out, i] - s.opening_out[i])
+        s.opening_in[i] += share * (1.0 - commanded(cycles[0], i, time - car.inlet_delay[i]) - s.opening_in[i])
+        s.opening_out[i] += share * (commanded(cycles[1], i, time - car.outlet_delay[i]) - s.opening_out[i])
         circuit = 0 if i in (0, 3) else 1
         before = s.pressure[i]
         low = 0.2 * brakes.FULL_ACCUMULATOR_PA * s.volumes[circuit] / ACCUMULATOR_M3
