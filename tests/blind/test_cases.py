@@ -11,8 +11,9 @@ import pytest
 from generate import main
 from hidden_effects.case import Case
 from hidden_effects.effects import EFFECTS, SMALLEST_UNITS
-from hidden_effects.families import CONFOUNDED, SHARES, LookAlike, draw, family_of, named
+from hidden_effects.families import CONFOUNDED, SHARES, Draw, Hidden, LookAlike, draw, family_of, named
 from hidden_effects.isolability import (
+    EVIDENCE_NEEDED,
     RIVAL_SIZE,
     detection_limit,
     effect_column,
@@ -149,6 +150,17 @@ def test_theory_finds_what_scatter_alone_limits_and_what_no_manoeuvre_excites() 
     assert detection_limit(ring, point, nuisance) == pytest.approx(4.0, abs=0.1)
     fade = next(one for one in UNEXCITED if one.name == "brake_pad_fade")
     assert detection_limit(fade, point, nuisance) > 1e3
+
+
+def test_of_a_pair_each_effect_shows_beside_the_other() -> None:
+    """Pads that press less the harder they are pressed keep the front wheels from locking: their valves never move."""
+    case = Case(41, 0, "pair", "first")
+    pads = Hidden(named("brake_pad_pressure"), -0.25, 0)
+    for wheel, least, most in ((1, 0.0, 1e-9), (3, 1e3, np.inf)):
+        valve = Hidden(named("inlet_valve_delay"), 0.018, wheel)
+        assert least <= case.shown(Draw("pair", (pads, valve)), valve) <= most
+        assert case.shown(Draw("pair", (valve,)), valve) > 1e3
+    assert all(case.shown(case.draw, hidden) > EVIDENCE_NEEDED for hidden in case.draw.effects)
 
 
 @pytest.mark.parametrize("pair", CONFOUNDED, ids=lambda pair: f"{pair.effect}-{pair.twin}")

@@ -13,7 +13,7 @@ from hidden_effects.car import DATA_SHEET, Numbers, as_record, draw_car
 from hidden_effects.courses import torque_course
 from hidden_effects.effects import EFFECTS
 from hidden_effects.families import Draw, Hidden, draw, family_of, place_name
-from hidden_effects.isolability import Truth, separation, size_std, truth_of
+from hidden_effects.isolability import EVIDENCE_NEEDED, Truth, separation, size_std, truth_of
 from hidden_effects.logs import FORMATS, channel_map, database, write_logs
 from hidden_effects.manoeuvres import HELD_OUT, SIX, Script
 from hidden_effects.recording import Loggers, MessageLog, draw_loggers, record
@@ -45,10 +45,29 @@ class Case:
         self.chain = draw_sensors(self.random)
         self.car["curve"] = np.array(GENERATORS[generator])
         self.generator = generator
-        self.draw: Draw = draw(self.family, self.random)
+        self.draw = self._drawn()
         self.format = str(self.random.choice(FORMATS, p=FORMAT_SHARES))
         plain = draw_loggers(self.random, one_raster=self.format == "csv")
         self.loggers = Loggers(plain.clock_offset_s, plain.phases_s, self.draw.missing, self.draw.fault)
+
+    def _drawn(self) -> Draw:
+        """What the case hides; several effects so that each shows beside the others."""
+        while True:
+            drawn = draw(self.family, self.random)
+            if len(drawn.effects) < 2 or all(self.shown(drawn, hidden) > EVIDENCE_NEEDED for hidden in drawn.effects):
+                return drawn
+
+    def shown(self, drawn: Draw, hidden: Hidden) -> float:
+        """Expected log evidence for one of the hidden effects beside the others, were all else known.
+
+        A late valve does nothing where another effect keeps its wheel from locking.
+        """
+        car, chain = dict(self.car), dict(self.chain)
+        for other in drawn.effects:
+            if other is not hidden:
+                other.applied(car, chain)
+        change = truth_of((hidden.effect, hidden.deviation, hidden.place), car, chain, SIX, drawn.missing).secant
+        return 0.5 * float(change @ change)
 
     def car_in(self, script: Script) -> tuple[Numbers, Numbers]:
         """Car and measuring chain as they are in a manoeuvre, hidden effects included."""
