@@ -155,6 +155,11 @@ def ring_carriers(time: FloatArray, wheel_speeds: FloatArray) -> FloatArray:
     return carriers
 
 
+def without_lag(deviations: Mapping[str, float]) -> dict[str, float]:
+    """The deviations of what is measured, not of how late a pressure is read."""
+    return {column: value for column, value in deviations.items() if column != PRESSURE_LAG}
+
+
 def true_inputs(
     deviations: Mapping[str, float], time: FloatArray, channels: Mapping[str, FloatArray]
 ) -> dict[str, FloatArray]:

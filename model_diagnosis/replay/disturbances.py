@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from model_diagnosis.effects.sensor_chain import PRESSURE_LAG
+from model_diagnosis.effects.sensor_chain import without_lag
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S
 from model_diagnosis.replay.disturb_step import (
     BANK,
@@ -136,10 +136,9 @@ def _pressure_answers(replay: Replay, deviations: Mapping[str, float], prepared:
     assert prepared.hydraulics is not None
     valid = prepared.pressure_valid
     measured = np.ascontiguousarray(replay.inputs_at(deviations, prepared, None)[:, :4])
-    of_brakes = {column: value for column, value in deviations.items() if column != PRESSURE_LAG}
+    true = without_lag(deviations)
     usual, shifted = (
-        replay.pressures.unit.wheels(of_brakes, prepared.hydraulics, measured + shift, valid)
-        for shift in (0.0, _TRIED_PA)
+        replay.pressures.unit.wheels(true, prepared.hydraulics, measured + shift, valid) for shift in (0.0, _TRIED_PA)
     )
     kept, samples = (shifted - usual) / _TRIED_PA, prepared.manoeuvre.samples
     found = {}

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import siegelslopes
 
 from model_diagnosis.effects.effect import EffectParameter
-from model_diagnosis.effects.sensor_chain import PRESSURE_LAG, true_inputs
+from model_diagnosis.effects.sensor_chain import PRESSURE_LAG, true_inputs, without_lag
 from model_diagnosis.effects.sensors import SENSOR_EFFECTS
 from model_diagnosis.replay.driving_pressures import (
     STEPS,
@@ -43,14 +43,14 @@ _KEPT: dict[str, dict[str, float]] = {}
 _MOST_KEPT = 16
 """Checks of the data replay the same pressures a dozen times beside other channels."""
 
-_SENSORS = {
+_ORDINARY = {column: one for column, one in HYDRAULIC_COLUMNS.items() if one.ordinary_std > 0.0}
+"""Columns, and their parameters, in which every car's unit is off."""
+_OF_READINGS = _ORDINARY | {
     column: parameter
     for effect in SENSOR_EFFECTS
     for column, parameter in zip(effect.columns, effect.parameters, strict=True)
+    if column == PRESSURE_LAG
 }
-_ORDINARY = {column: one for column, one in HYDRAULIC_COLUMNS.items() if one.ordinary_std > 0.0}
-"""Columns, and their parameters, in which every car's unit is off."""
-_OF_READINGS = _ORDINARY | {column: one for column, one in _SENSORS.items() if column == PRESSURE_LAG}
 """The same, and how far the sensors' readings are behind."""
 
 
@@ -76,17 +76,17 @@ class WheelPressures:
         if log is None or (prepared.pressure_known and not prepared.replays_pressures):
             return None
         measured = np.zeros((prepared.manoeuvre.samples, 4))
-        without_lag = {column: value for column, value in deviations.items() if column != PRESSURE_LAG}
+        true = without_lag(deviations)
         if prepared.pressure_known:
             # what the observer corrects on keeps its noise: without it, it would know of samples still to come
             manoeuvre = prepared.manoeuvre
-            lagged = true_inputs(without_lag, manoeuvre.time, manoeuvre.channels)
+            lagged = true_inputs(true, manoeuvre.time, manoeuvre.channels)
             measured = np.stack([lagged[name] for name in PRESSURES], axis=1)
         gain = 0.0 if free else GAIN
         # a unit that moves by steps is up to its threshold off: there the observer is needed for small differences too
         noise = self._noise if self.unit.flows else 0.0
         least = None if free else prepared.pressure_least
-        seen = deviations if prepared.pressure_known else without_lag
+        seen = deviations if prepared.pressure_known else true
         return self.unit.wheels(seen, log, measured, prepared.pressure_valid, gain, noise, least)
 
     def settled(self, manoeuvres: Sequence[Prepared]) -> list[Prepared]:
