@@ -20,9 +20,9 @@ FloatArray = NDArray[np.float64]
 _PARTS = 0.5 * np.array([[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]])
 """Orthonormal: all wheels, the sides, the axles, the diagonals."""
 
-STEPS, STEPS_OF_READINGS = 2, 4
-"""Of Gauss and Newton; two more change the pressures that come out of it by less than a tenth of their error. A lag of
-the sensors and dead times of the valves lie along a valley: where an ABS stop is all there is, that takes four."""
+_STEPS = 2
+"""Of Gauss and Newton; two more change the pressures that come out of it by less than a tenth of their error. More let
+a unit that does not follow its readings at all take numbers of no car (all its conductances halved and more)."""
 _STEP_LENGTHS = (1.0, 0.5, 0.25)
 """Shares of a step that are tried: whole ones overshoot at kinks."""
 _TRIAL = 0.3
@@ -34,19 +34,16 @@ def numbers_by_pressures(
     columns: Sequence[str],
     parameters: Sequence[EffectParameter],
     noise: float,
-    steps: int = STEPS,
 ) -> dict[str, float]:
     """Deviations of a hydraulic unit's numbers, by column, as measured pressures tell them.
 
-    A few steps of Gauss and Newton leave what no fit of these numbers takes away; the rest is for the measurement to
-    add.
+    Two steps of Gauss and Newton leave what no fit of these numbers takes away; the rest is for the measurement to add.
 
     Parameters
     ----------
     errors : measured pressures less the unit's (m,) [Pa] at deviations, the same samples each time
     parameters : of the columns, each off by its ordinary scatter
     noise : standard deviation of the measured pressures' noise [Pa]
-    steps : at most so many
     """
     scatter = np.array([one.ordinary_std for one in parameters])
     low, high = np.array([(one.low, one.high) for one in parameters]).T
@@ -63,7 +60,7 @@ def numbers_by_pressures(
 
     sizes = np.zeros(len(columns))
     left = residuals(sizes)
-    for _ in range(steps):
+    for _ in range(_STEPS):
         slopes = np.stack([(residuals(sizes + by) - left) / _TRIAL for by in _TRIAL * np.eye(len(sizes))], axis=1)
         weighted = slopes.T * huber_weights(left)
         step = np.linalg.solve(weighted @ slopes + np.eye(len(sizes)), -weighted @ left - sizes)

@@ -11,12 +11,7 @@ from scipy.stats import siegelslopes
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.effects.sensor_chain import PRESSURE_LAG, true_inputs, without_lag
 from model_diagnosis.effects.sensors import SENSOR_EFFECTS
-from model_diagnosis.replay.driving_pressures import (
-    STEPS,
-    STEPS_OF_READINGS,
-    driving_pressures,
-    numbers_by_pressures,
-)
+from model_diagnosis.replay.driving_pressures import driving_pressures, numbers_by_pressures
 from model_diagnosis.replay.gaps import begun_anew
 from model_diagnosis.replay.hydraulic import GAIN, HYDRAULIC_COLUMNS, HydraulicReplay, reported_pressure
 from model_diagnosis.replay.inputs import with_pressures
@@ -102,9 +97,9 @@ class WheelPressures:
         by_flow = min(self._misfit(deviations, manoeuvres) for deviations in ways)
         self.unit.flows = by_steps > _STEPS_SHARE * by_flow
         # valves that are late, or sensors that are, err at every flank: a lost command is what their numbers leave
-        numbers = self._numbers(manoeuvres, _OF_READINGS, STEPS_OF_READINGS)
+        numbers = self._numbers(manoeuvres, _OF_READINGS)
         begun = [replace(one, pressure_least=self._least(numbers, one)) for one in manoeuvres]
-        numbers = self._numbers(begun, _ORDINARY, STEPS)
+        numbers = self._numbers(begun, _ORDINARY)
         return [self._driven(numbers, one) for one in begun]
 
     def _sensors(self, manoeuvres: Sequence[Prepared]) -> dict[str, float]:
@@ -149,9 +144,7 @@ class WheelPressures:
 
         return begun_anew(off, prepared.pressure_least, self._noise)
 
-    def _numbers(
-        self, manoeuvres: Sequence[Prepared], columns: Mapping[str, EffectParameter], steps: int
-    ) -> dict[str, float]:
+    def _numbers(self, manoeuvres: Sequence[Prepared], columns: Mapping[str, EffectParameter]) -> dict[str, float]:
         """What the measured pressures tell of such columns; a unit that moves by steps jumps with them."""
         telling = [one for one in manoeuvres if one.replays_pressures and one.inputs.values[:, :4].any()]
         if not self.unit.flows or not telling:
@@ -162,7 +155,7 @@ class WheelPressures:
 
         key = f"{self._digest(telling)} {' '.join(columns)}"
         if key not in _KEPT:
-            found = numbers_by_pressures(errors, list(columns), list(columns.values()), self._noise, steps)
+            found = numbers_by_pressures(errors, list(columns), list(columns.values()), self._noise)
             while len(_KEPT) >= _MOST_KEPT:
                 _KEPT.pop(next(iter(_KEPT)))
             _KEPT[key] = found

@@ -131,6 +131,6 @@ def test_gaps_are_bridged_by_the_unit() -> None:
 @pytest.mark.parametrize("effect", [("pressure_sensor_lag", 0.0106, 0), ("inlet_valve_delay", 0.0044, 1)])
 def test_late_readings_and_late_valves_are_no_lost_commands(effect: tuple[str, float, int], tmp_path: Path) -> None:
     """0.1 % of the frames are lost, one in an ABS stop; where late flanks counted as lost, 46 to 111 of a wheel did."""
-    vehicle, logs = hidden_logs(tmp_path, 213, ("abs_stop",), effect)
-    (prepared,) = Replay(vehicle, logs).prepared
-    assert (prepared.pressure_least[1:] == 1.0).sum(axis=0).max() <= 5
+    vehicle, logs = hidden_logs(tmp_path, 213, NAMES, effect)
+    for prepared in Replay(vehicle, logs).prepared:
+        assert (prepared.pressure_least[1:] == 1.0).sum(axis=0).max() <= 5
