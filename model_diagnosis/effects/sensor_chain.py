@@ -161,7 +161,10 @@ def without_lag(deviations: Mapping[str, float]) -> dict[str, float]:
 
 
 def true_inputs(
-    deviations: Mapping[str, float], time: FloatArray, channels: Mapping[str, FloatArray]
+    deviations: Mapping[str, float],
+    time: FloatArray,
+    channels: Mapping[str, FloatArray],
+    leads: Mapping[str, FloatArray] | None = None,
 ) -> dict[str, FloatArray]:
     """What drives the replay as it was, from what was reported.
 
@@ -173,9 +176,10 @@ def true_inputs(
     deviations : column -> deviation of ``PRESSURE_COLUMNS`` and ``ACCELERATION_COLUMNS``
     time : (n,) [s], equal steps
     channels : name -> (n,); others than these two are handed through
+    leads : dp'/dt (n,) of wheel pressures [Pa/s], where it is known better than by their samples
     """
     inputs = dict(channels)
-    _true_pressures(inputs, deviations, float(time[1] - time[0]))
+    _true_pressures(inputs, deviations, float(time[1] - time[0]), leads or {})
     offset, scale = (deviations.get(column, 0.0) for column in ACCELERATION_COLUMNS)
     felt = channels.get("longitudinal_acceleration")
     if felt is not None and (offset != 0.0 or scale != 0.0):
@@ -183,15 +187,17 @@ def true_inputs(
     return inputs
 
 
-def _true_pressures(inputs: dict[str, FloatArray], deviations: Mapping[str, float], step: float) -> None:
+def _true_pressures(
+    inputs: dict[str, FloatArray], deviations: Mapping[str, float], step: float, leads: Mapping[str, FloatArray]
+) -> None:
     scale = 1.0 + deviations.get("pressure_sensor_scale.wheels", 0.0)
     offset = deviations.get("pressure_sensor_offset.wheels", 0.0)
     lag = deviations.get(PRESSURE_LAG, 0.0)
     if scale == 1.0 and offset == 0.0 and lag == 0.0:
         return
     names = [name for wheel in WHEELS if (name := f"brake_pressure_{wheel}") in inputs]
-    if not names:
-        return
-    reported = np.stack([inputs[name] for name in names])
-    leading = reported + lag * np.gradient(reported, step, axis=1) if lag != 0.0 else reported
-    inputs.update(zip(names, np.maximum((leading - offset) / scale, 0.0), strict=True))
+    for name in names:
+        leading = inputs[name]
+        if lag != 0.0:
+            leading = leading + lag * (leads[name] if name in leads else np.gradient(leading, step))
+        inputs[name] = np.maximum((leading - offset) / scale, 0.0)

@@ -34,6 +34,7 @@ def numbers_by_pressures(
     columns: Sequence[str],
     parameters: Sequence[EffectParameter],
     noise: float,
+    start: Mapping[str, float] | None = None,
 ) -> dict[str, float]:
     """Deviations of a hydraulic unit's numbers, by column, as measured pressures tell them.
 
@@ -44,6 +45,7 @@ def numbers_by_pressures(
     errors : measured pressures less the unit's (m,) [Pa] at deviations, the same samples each time
     parameters : of the columns, each off by its ordinary scatter
     noise : standard deviation of the measured pressures' noise [Pa]
+    start : deviations to begin with, by column; a missing one is 0
     """
     scatter = np.array([one.ordinary_std for one in parameters])
     low, high = np.array([(one.low, one.high) for one in parameters]).T
@@ -58,7 +60,8 @@ def numbers_by_pressures(
         # what a lost command does is no number's fault
         return huber_loss(left) + float(sizes @ sizes)
 
-    sizes = np.zeros(len(columns))
+    begin = start or {}
+    sizes = np.array([begin.get(column, 0.0) for column in columns]) / scatter
     left = residuals(sizes)
     for _ in range(_STEPS):
         slopes = np.stack([(residuals(sizes + by) - left) / _TRIAL for by in _TRIAL * np.eye(len(sizes))], axis=1)

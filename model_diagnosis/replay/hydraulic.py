@@ -215,8 +215,23 @@ class HydraulicReplay:
         noise : standard deviation of the measured pressures' noise [Pa]; up to three of it correct nothing
         least : (n, 4) least gains; zeros if left out
         """
+        readings, _ = self.readings_and_brakes(deviations, log, measured, valid, gain, noise, least)
+        return readings
+
+    def readings_and_brakes(
+        self,
+        deviations: Mapping[str, float],
+        log: HydraulicLog,
+        measured: FloatArray,
+        valid: FloatArray,
+        gain: float = GAIN,
+        noise: float = 0.0,
+        least: FloatArray | None = None,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Pressures as of ``wheels``, and those of the brakes (n, 4) [Pa] that the sensors lag behind."""
         least = np.zeros_like(valid) if least is None else least
-        return self._run(deviations, log, measured, valid, gain, least, _DEAD_BAND * noise)[0]
+        (readings, brakes), _ = self._run(deviations, log, measured, valid, gain, least, _DEAD_BAND * noise)
+        return readings, brakes
 
     def _run(
         self,
@@ -229,7 +244,7 @@ class HydraulicReplay:
         dead_band: float,
         shape: tuple[int, int, int] = (0, SUBSTEPS, 4),
     ) -> tuple[FloatArray, FloatArray]:
-        """Wheel pressures (n, 4) before each correction and, if asked for by ``shape``, those between samples."""
+        """Pressures (2, n, 4) of sensors and brakes and, if asked for by ``shape``, of the brakes between samples."""
         master = log.master if log.master is not None else self.master(deviations, log)
         volume = deviations.get("brake_knock_back.volume", 0.0)
         throttled = deviations.get("form_return.lag", 0.0)
@@ -237,7 +252,7 @@ class HydraulicReplay:
         return_kept = throttled / (throttled + STEP_S)
         lag = deviations.get(PRESSURE_LAG, 0.0)
         changes = tuple((column, value) for column, value in deviations.items() if column in _PATHS)
-        total, total_between = np.zeros((len(master), 4)), np.zeros(shape)
+        total, total_between = np.zeros((2, len(master), 4)), np.zeros(shape)
         out = np.empty_like(total)
         # dead times of valves that nobody switches say nothing: one run instead of five
         for share, record in self._units(changes, log.switched, self.flows):
@@ -271,7 +286,7 @@ class HydraulicReplay:
         least : (n, 4) least gains
         """
         shape = len(measured), SUBSTEPS, 4
-        out, between = self._run(deviations, log, measured, valid, 1.0, least, 0.0, shape)
+        (_, out), between = self._run(deviations, log, measured, valid, 1.0, least, 0.0, shape)
         off = np.zeros_like(out)
         off[1:] = valid[1:] * np.abs(measured[1:] - out[1:])
         moved = np.abs(np.diff(out, axis=0, prepend=out[:1]))

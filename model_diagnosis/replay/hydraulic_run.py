@@ -152,7 +152,7 @@ def hydraulic_run(
     between: NDArray[np.float64],
     out: NDArray[np.float64],
 ) -> None:
-    """Wheel pressures behind the lag of their sensors, before each sample's correction.
+    """Wheel pressures, and what their sensors report of them behind a lag, before each sample's correction.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ def hydraulic_run(
         once and noise below it is filled up slowly: corrected on, it would lower the mean
     between : (n, SUBSTEPS, 4) pressures [Pa] in the middle of the car's steps before each sample, beside the straight
         line from the correction before to the sample; without rows they are not kept
-    out : (n, 4) Pa
+    out : (2, n, 4) Pa, of the sensors and of the brakes
     """
     p = parameters[0]
     s = memory[0]
@@ -230,7 +230,7 @@ def hydraulic_run(
                 for i in range(4):
                     lagged[i] *= kept
         for i in range(4):
-            out[k, i] = lagged[i]
+            out[0, k, i], out[1, k, i] = lagged[i], s.pressure[i]
             if valid[k, i] > 0.0:
                 apart = measured[k, i] - lagged[i]
                 band = dead_band if least[k, i] <= gain else 0.0

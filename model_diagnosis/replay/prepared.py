@@ -70,6 +70,7 @@ class Prepared:
     driving : channels as they drive the replay: pressures without their sensors' noise
     hydraulics : None where the log tells nothing of them
     pressure_known, pressure_valid : True where all wheel pressures were measured; (n, 4) 1 where they hold
+    leads : dp/dt (n,) of wheel pressures [Pa/s], where the hydraulic unit tells it
     between : (n, SUBSTEPS, 4) wheel pressures beside the straight lines between samples [Pa]
     carriers : (n, 4) phases of the tone rings; None without wheel speeds
     least, pressure_least : (n, 6), (n, 4) least gains of the observer, where it begins anew behind a gap of the inputs
@@ -90,6 +91,7 @@ class Prepared:
     hydraulics: HydraulicLog | None
     pressure_known: bool
     pressure_valid: FloatArray
+    leads: Mapping[str, FloatArray]
     between: FloatArray
     carriers: FloatArray | None
     least: FloatArray
@@ -182,6 +184,7 @@ def prepare(manoeuvre: Manoeuvre, vehicle: VehicleFile, car: np.void, number: in
         hydraulics=hydraulics,
         pressure_known=known,
         pressure_valid=pressure_valid,
+        leads={},
         between=np.zeros((manoeuvre.samples, SUBSTEPS, len(WHEELS))),
         carriers=ring_carriers(manoeuvre.time, corrected[:, :4]) if ringed else None,
         least=least_gains(valid, anew),

@@ -227,7 +227,7 @@ class Replay(ReplayBase):
         self, deviations: Mapping[str, float], prepared: Prepared, by_unit: Mapping[str, FloatArray]
     ) -> FloatArray:
         manoeuvre = prepared.manoeuvre
-        channels = {**true_inputs(deviations, manoeuvre.time, prepared.driving), **by_unit}
+        channels = {**true_inputs(deviations, manoeuvre.time, prepared.driving, prepared.leads), **by_unit}
         if prepared.inputs.forces_measured:
             return with_pressures(prepared.inputs, channels)
         return read_inputs(manoeuvre, channels, self.vehicle, self._record_at(deviations)[0]).values

@@ -11,6 +11,7 @@ from scipy.stats import siegelslopes
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.effects.sensor_chain import PRESSURE_LAG, true_inputs, without_lag
 from model_diagnosis.effects.sensors import SENSOR_EFFECTS
+from model_diagnosis.manoeuvre import SAMPLE_TIME_S
 from model_diagnosis.replay.driving_pressures import driving_pressures, numbers_by_pressures
 from model_diagnosis.replay.gaps import begun_anew
 from model_diagnosis.replay.hydraulic import GAIN, HYDRAULIC_COLUMNS, HydraulicReplay, reported_pressure
@@ -31,6 +32,11 @@ _SHOWN_PA = 5e5
 """Pressure, and difference of pressures, from which a sensor's scale shows beside its noise of 0.3 bar."""
 _SAMPLES_OF_A_LINE = 400
 """Repeated medians cost their square; so many tell the slope to 0.1 % at pressures that vary by 20 bar."""
+_SHOWN_LAG_S = 2e-3
+"""Lag that is told from the scatter of the unit's numbers, and that a lead can be divided by."""
+_MOST_COMMANDS = 0.9
+_FOLLOWED = 5.0
+"""Standard deviations of the pressures' noise by which a unit that does as it is told errs in a sample of 10 ms."""
 _LARGEST_SCALE = 0.5
 """As far as the catalogue lets a sensor's scale be off."""
 
@@ -67,6 +73,13 @@ class WheelPressures:
 
         None where the log tells nothing of it.
         """
+        both = self._both(deviations, prepared, free=free)
+        return None if both is None else both[0]
+
+    def _both(
+        self, deviations: Mapping[str, float], prepared: Prepared, *, free: bool = False
+    ) -> tuple[FloatArray, FloatArray] | None:
+        """Pressures as of ``at``, and those of the brakes that the sensors lag behind."""
         log = prepared.hydraulics
         if log is None or (prepared.pressure_known and not prepared.replays_pressures):
             return None
@@ -82,7 +95,7 @@ class WheelPressures:
         noise = self._noise if self.unit.flows else 0.0
         least = None if free else prepared.pressure_least
         seen = deviations if prepared.pressure_known else true
-        return self.unit.wheels(seen, log, measured, prepared.pressure_valid, gain, noise, least)
+        return self.unit.readings_and_brakes(seen, log, measured, prepared.pressure_valid, gain, noise, least)
 
     def settled(self, manoeuvres: Sequence[Prepared]) -> list[Prepared]:
         """The manoeuvres with what the vehicle's own unit tells of them, in the form that all of them show together."""
@@ -97,8 +110,14 @@ class WheelPressures:
         by_flow = min(self._misfit(deviations, manoeuvres) for deviations in ways)
         self.unit.flows = by_steps > _STEPS_SHARE * by_flow
         # valves that are late, or sensors that are, err at every flank: a lost command is what their numbers leave
-        numbers = self._numbers(manoeuvres, _OF_READINGS)
-        begun = [replace(one, pressure_least=self._least(numbers, one)) for one in manoeuvres]
+        of_readings = self._numbers(manoeuvres, _OF_READINGS)
+        lag = of_readings.get(PRESSURE_LAG, 0.0)
+        if lag >= _SHOWN_LAG_S:
+            # valves that are late hide most of a lag at first: with the lag to begin with, both are told apart
+            of_readings = self._numbers(manoeuvres, _OF_READINGS, {PRESSURE_LAG: lag})
+        begun = [replace(one, pressure_least=self._least(of_readings, one)) for one in manoeuvres]
+        if of_readings.get(PRESSURE_LAG, 0.0) >= _SHOWN_LAG_S and self._follows(of_readings, begun):
+            return [self._led(of_readings, one) for one in begun]
         numbers = self._numbers(begun, _ORDINARY)
         return [self._driven(numbers, one) for one in begun]
 
@@ -127,6 +146,16 @@ class WheelPressures:
                 total += float(np.sum(left**2))
         return total
 
+    def _follows(self, deviations: Mapping[str, float], manoeuvres: Sequence[Prepared]) -> bool:
+        """True for a unit that does as its valves are told, but for single commands."""
+        off = [np.zeros(0)]
+        for prepared in manoeuvres:
+            if prepared.replays_pressures and prepared.hydraulics is not None:
+                moved = (prepared.hydraulics.inlet + prepared.hydraulics.outlet) * prepared.pressure_valid > 0.0
+                off.append(np.abs(self._error(deviations, prepared)[moved]))
+        moving = np.concatenate(off)
+        return len(moving) > 0 and bool(np.quantile(moving, _MOST_COMMANDS) < _FOLLOWED * self._noise)
+
     def _error(self, deviations: Mapping[str, float], prepared: Prepared) -> FloatArray:
         """Measured pressures (n, 4) less the unit's [Pa]."""
         predicted = self.at(deviations, prepared)
@@ -144,7 +173,12 @@ class WheelPressures:
 
         return begun_anew(off, prepared.pressure_least, self._noise)
 
-    def _numbers(self, manoeuvres: Sequence[Prepared], columns: Mapping[str, EffectParameter]) -> dict[str, float]:
+    def _numbers(
+        self,
+        manoeuvres: Sequence[Prepared],
+        columns: Mapping[str, EffectParameter],
+        start: Mapping[str, float] | None = None,
+    ) -> dict[str, float]:
         """What the measured pressures tell of such columns; a unit that moves by steps jumps with them."""
         telling = [one for one in manoeuvres if one.replays_pressures and one.inputs.values[:, :4].any()]
         if not self.unit.flows or not telling:
@@ -153,9 +187,9 @@ class WheelPressures:
         def errors(deviations: Mapping[str, float]) -> FloatArray:
             return np.concatenate([(one.pressure_valid * self._error(deviations, one)).ravel() for one in telling])
 
-        key = f"{self._digest(telling)} {' '.join(columns)}"
+        key = f"{self._digest(telling)} {' '.join(columns)} {start}"
         if key not in _KEPT:
-            found = numbers_by_pressures(errors, list(columns), list(columns.values()), self._noise)
+            found = numbers_by_pressures(errors, list(columns), list(columns.values()), self._noise, start)
             while len(_KEPT) >= _MOST_KEPT:
                 _KEPT.pop(next(iter(_KEPT)))
             _KEPT[key] = found
@@ -183,8 +217,34 @@ class WheelPressures:
         assert by_unit is not None
         measured = prepared.measured[:, _places(prepared)]
         pressures = driving_pressures(measured, by_unit, prepared.pressure_valid)
-        between = self.unit.between_samples(numbers, log, pressures, prepared.pressure_valid, prepared.pressure_least)
-        driving = {**prepared.driving, **dict(zip(PRESSURES, pressures.T, strict=True))}
+        return self._with_course(without_lag(numbers), prepared, pressures, pressures)
+
+    def _led(self, numbers: Mapping[str, float], prepared: Prepared) -> Prepared:
+        """The manoeuvre with the readings that drive the car, and by how much the brakes' pressures lead them.
+
+        Flanks are steeper than samples tell. A unit with the sensors' lag in it knows them, and what it lacks of the
+        readings is smooth.
+        """
+        if prepared.hydraulics is None or not prepared.replays_pressures:
+            return prepared
+        both = self._both(numbers, prepared)
+        assert both is not None
+        lagged, true = both
+        readings = driving_pressures(prepared.measured[:, _places(prepared)], lagged, prepared.pressure_valid)
+        lacking = readings - lagged
+        lag = numbers[PRESSURE_LAG]
+        true = np.maximum(true + lacking + lag * np.gradient(lacking, SAMPLE_TIME_S, axis=0), 0.0)
+        leads = dict(zip(PRESSURES, (true - readings).T / lag, strict=True))
+        return replace(self._with_course(without_lag(numbers), prepared, readings, true), leads=leads)
+
+    def _with_course(
+        self, numbers: Mapping[str, float], prepared: Prepared, readings: FloatArray, true: FloatArray
+    ) -> Prepared:
+        """The manoeuvre with readings (n, 4) [Pa] that drive the car, and the brakes' course between the samples."""
+        log = prepared.hydraulics
+        assert log is not None
+        between = self.unit.between_samples(numbers, log, true, prepared.pressure_valid, prepared.pressure_least)
+        driving = {**prepared.driving, **dict(zip(PRESSURES, readings.T, strict=True))}
         inputs = replace(prepared.inputs, values=with_pressures(prepared.inputs, driving))
         return replace(prepared, driving=driving, inputs=inputs, between=between)
 
