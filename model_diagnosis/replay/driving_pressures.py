@@ -34,7 +34,7 @@ def numbers_by_pressures(
     columns: Sequence[str],
     parameters: Sequence[EffectParameter],
     noise: float,
-    start: Mapping[str, float] | None = None,
+    starts: Sequence[Mapping[str, float]] = ({},),
 ) -> dict[str, float]:
     """Deviations of a hydraulic unit's numbers, by column, as measured pressures tell them.
 
@@ -45,7 +45,7 @@ def numbers_by_pressures(
     errors : measured pressures less the unit's (m,) [Pa] at deviations, the same samples each time
     parameters : of the columns, each off by its ordinary scatter
     noise : standard deviation of the measured pressures' noise [Pa]
-    start : deviations to begin with, by column; a missing one is 0
+    starts : deviations by column, a missing one 0, of which those with the least misfit are the ones to begin with
     """
     scatter = np.array([one.ordinary_std for one in parameters])
     low, high = np.array([(one.low, one.high) for one in parameters]).T
@@ -60,9 +60,9 @@ def numbers_by_pressures(
         # what a lost command does is no number's fault
         return huber_loss(left) + float(sizes @ sizes)
 
-    begin = start or {}
-    sizes = np.array([begin.get(column, 0.0) for column in columns]) / scatter
-    left = residuals(sizes)
+    tried = [np.array([start.get(column, 0.0) for column in columns]) / scatter for start in starts]
+    begun = [(sizes, residuals(sizes)) for sizes in tried]
+    sizes, left = min(begun, key=lambda one: misfit(*one))
     for _ in range(_STEPS):
         slopes = np.stack([(residuals(sizes + by) - left) / _TRIAL for by in _TRIAL * np.eye(len(sizes))], axis=1)
         weighted = slopes.T * huber_weights(left)

@@ -32,6 +32,8 @@ _SHOWN_PA = 5e5
 """Pressure, and difference of pressures, from which a sensor's scale shows beside its noise of 0.3 bar."""
 _SAMPLES_OF_A_LINE = 400
 """Repeated medians cost their square; so many tell the slope to 0.1 % at pressures that vary by 20 bar."""
+_TRIED_LAGS_S = (0.0, 0.004, 0.008, 0.012, 0.016, 0.02, 0.025, 0.035, 0.05)
+"""Of the sensors, from which the numbers are sought; one that is up to a third off is close enough."""
 _SHOWN_LAG_S = 2e-3
 """Lag that is told from the scatter of the unit's numbers, and that a lead can be divided by."""
 _MOST_COMMANDS = 0.9
@@ -111,10 +113,6 @@ class WheelPressures:
         self.unit.flows = by_steps > _STEPS_SHARE * by_flow
         # valves that are late, or sensors that are, err at every flank: a lost command is what their numbers leave
         of_readings = self._numbers(manoeuvres, _OF_READINGS)
-        lag = of_readings.get(PRESSURE_LAG, 0.0)
-        if lag >= _SHOWN_LAG_S:
-            # valves that are late hide most of a lag at first: with the lag to begin with, both are told apart
-            of_readings = self._numbers(manoeuvres, _OF_READINGS, {PRESSURE_LAG: lag})
         begun = [replace(one, pressure_least=self._least(of_readings, one)) for one in manoeuvres]
         if of_readings.get(PRESSURE_LAG, 0.0) >= _SHOWN_LAG_S and self._follows(of_readings, begun):
             return [self._led(of_readings, one) for one in begun]
@@ -177,7 +175,6 @@ class WheelPressures:
         self,
         manoeuvres: Sequence[Prepared],
         columns: Mapping[str, EffectParameter],
-        start: Mapping[str, float] | None = None,
     ) -> dict[str, float]:
         """What the measured pressures tell of such columns; a unit that moves by steps jumps with them."""
         telling = [one for one in manoeuvres if one.replays_pressures and one.inputs.values[:, :4].any()]
@@ -187,9 +184,12 @@ class WheelPressures:
         def errors(deviations: Mapping[str, float]) -> FloatArray:
             return np.concatenate([(one.pressure_valid * self._error(deviations, one)).ravel() for one in telling])
 
-        key = f"{self._digest(telling)} {' '.join(columns)} {start}"
+        key = f"{self._digest(telling)} {' '.join(columns)}"
         if key not in _KEPT:
-            found = numbers_by_pressures(errors, list(columns), list(columns.values()), self._noise, start)
+            # from no lag the steps end where late valves hide half of it
+            lags = _TRIED_LAGS_S if PRESSURE_LAG in columns else (0.0,)
+            starts = [{PRESSURE_LAG: lag} if lag > 0.0 else {} for lag in lags]
+            found = numbers_by_pressures(errors, list(columns), list(columns.values()), self._noise, starts)
             while len(_KEPT) >= _MOST_KEPT:
                 _KEPT.pop(next(iter(_KEPT)))
             _KEPT[key] = found
