@@ -1,6 +1,7 @@
 """Pressures that drive a replay, against what the challenge's generator knows of the car's true ones."""
 
 import sys
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,12 +13,20 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "data"))
 
 from hidden_car import hidden_logs
 from hidden_effects import sensors
+from hidden_effects.car import as_record
+from hidden_effects.case import Case
+from hidden_effects.families import Draw, Hidden, named
+from hidden_effects.manoeuvres import SIX
+from hidden_effects.outputs import INDEX
+from hidden_effects.simulator import simulate
 
 from model_diagnosis.effects.hydraulics import HYDRAULICS_EFFECTS
+from model_diagnosis.effects.sensor_chain import true_inputs
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay import Replay, wheel_pressures
 from model_diagnosis.replay.driving_pressures import driving_pressures, numbers_by_pressures
 from model_diagnosis.replay.prepared import PRESSURES
+from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
 NAMES = ("gentle_stops", "abs_stop", "brake_in_turn")
@@ -128,7 +137,34 @@ def test_gaps_are_bridged_by_the_unit() -> None:
     assert np.max(np.abs(found[150:200] - true[150:200])) < 3e4
 
 
-@pytest.mark.parametrize("effect", [("pressure_sensor_lag", 0.0106, 0), ("inlet_valve_delay", 0.0044, 1)])
+@pytest.mark.parametrize("lag_s", [0.0106, 0.0152, 0.02])
+def test_a_unit_with_the_lag_in_it_knows_flanks_better_than_samples(lag_s: float, tmp_path: Path) -> None:
+    """Readings are 6 to 11 bar off the brakes' pressures; by the slope of the samples 0.6 to 0.7 bar are left, and 0.9 bar
+    where the unit's numbers are sought from no lag on."""
+    seed = 218
+    vehicle, logs = hidden_logs(tmp_path, seed, ("abs_stop", "gentle_stops"), ("pressure_sensor_lag", lag_s, 0))
+    prepared, deviations = Replay(vehicle, logs).prepared[0], {"pressure_sensor_lag.time_constant": lag_s}
+    case = Case(seed, 0, "clean", "first")
+    case.draw = Draw("single", (Hidden(named("pressure_sensor_lag"), lag_s, 0),), None)
+    script = next(one for one in SIX if one.name == "abs_stop")
+    car, chain = case.car_in(script)
+    brakes = simulate(as_record(car), script.drive())[:, [INDEX[f"pressure_{wheel}"] for wheel in WHEELS]]
+    time = logs[0].time
+    true = np.stack([np.interp(time, 1e-3 * np.arange(len(brakes)), column) for column in brakes.T], axis=1)
+    true = true * float(chain["pressure_scale"]) + float(chain["pressure_offset"])
+
+    def off(pressures: Mapping[str, FloatArray]) -> float:
+        return float(np.sqrt(np.mean((np.stack([pressures[name] for name in PRESSURES], axis=1) - true) ** 2)))
+
+    assert float(chain["pressure_lag"]) == lag_s
+    assert off(logs[0].channels) > 6e5
+    by_samples = off(true_inputs(deviations, time, prepared.driving))
+    assert off(true_inputs(deviations, time, prepared.driving, prepared.leads)) < min(0.9 * by_samples, 0.6e5)
+
+
+@pytest.mark.parametrize(
+    "effect", [("pressure_sensor_lag", 0.0106, 0), ("pressure_sensor_lag", 0.02, 0), ("inlet_valve_delay", 0.0044, 1)]
+)
 def test_late_readings_and_late_valves_are_no_lost_commands(effect: tuple[str, float, int], tmp_path: Path) -> None:
     """0.1 % of the frames are lost, one in an ABS stop; where late flanks counted as lost, 46 to 111 of a wheel did."""
     vehicle, logs = hidden_logs(tmp_path, 213, NAMES, effect)
