@@ -139,8 +139,10 @@ def test_gaps_are_bridged_by_the_unit() -> None:
 
 @pytest.mark.parametrize("lag_s", [0.0106, 0.0152, 0.02])
 def test_a_unit_with_the_lag_in_it_knows_flanks_better_than_samples(lag_s: float, tmp_path: Path) -> None:
-    """Readings are 6 to 11 bar off the brakes' pressures; by the slope of the samples 0.6 to 0.7 bar are left, and 0.9 bar
-    where the unit's numbers are sought from no lag on."""
+    """Readings are 6 to 11 bar off the brakes' pressures; by the slope of the samples 0.6 to 0.7 bar are left.
+
+    Where the unit's numbers are sought from no lag on, 0.9 bar of the larger lags are.
+    """
     seed = 218
     vehicle, logs = hidden_logs(tmp_path, seed, ("abs_stop", "gentle_stops"), ("pressure_sensor_lag", lag_s, 0))
     prepared, deviations = Replay(vehicle, logs).prepared[0], {"pressure_sensor_lag.time_constant": lag_s}
