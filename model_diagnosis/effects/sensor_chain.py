@@ -176,7 +176,7 @@ def true_inputs(
     deviations : column -> deviation of ``PRESSURE_COLUMNS`` and ``ACCELERATION_COLUMNS``
     time : (n,) [s], equal steps
     channels : name -> (n,); others than these two are handed through
-    leads : dp'/dt (n,) of wheel pressures [Pa/s], where it is known better than by their samples
+    leads : dp'/dt (n,) of wheel pressures [Pa/s], where something else than their samples tells it
     """
     inputs = dict(channels)
     _true_pressures(inputs, deviations, float(time[1] - time[0]), leads or {})

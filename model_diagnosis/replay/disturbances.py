@@ -138,7 +138,8 @@ def _pressure_answers(replay: Replay, deviations: Mapping[str, float], prepared:
     measured = np.ascontiguousarray(replay.inputs_at(deviations, prepared, None)[:, :4])
     true = without_lag(deviations)
     usual, shifted = (
-        replay.pressures.unit.wheels(true, prepared.hydraulics, measured + shift, valid) for shift in (0.0, _TRIED_PA)
+        replay.pressures.unit.wheels(true, prepared.hydraulics, measured + shift, valid)[0]
+        for shift in (0.0, _TRIED_PA)
     )
     kept, samples = (shifted - usual) / _TRIED_PA, prepared.manoeuvre.samples
     found = {}

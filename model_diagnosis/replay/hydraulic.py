@@ -204,8 +204,10 @@ class HydraulicReplay:
         gain: float = GAIN,
         noise: float = 0.0,
         least: FloatArray | None = None,
-    ) -> FloatArray:
-        """Wheel pressures (n, 4) [Pa] behind the lag of their sensors, each sample before its correction.
+    ) -> tuple[FloatArray, FloatArray]:
+        """What the sensors read behind their lag and the pressures of the wheels' brakes, both (n, 4) [Pa].
+
+        Each sample is that before its correction.
 
         Parameters
         ----------
@@ -215,20 +217,6 @@ class HydraulicReplay:
         noise : standard deviation of the measured pressures' noise [Pa]; up to three of it correct nothing
         least : (n, 4) least gains; zeros if left out
         """
-        readings, _ = self.readings_and_brakes(deviations, log, measured, valid, gain, noise, least)
-        return readings
-
-    def readings_and_brakes(
-        self,
-        deviations: Mapping[str, float],
-        log: HydraulicLog,
-        measured: FloatArray,
-        valid: FloatArray,
-        gain: float = GAIN,
-        noise: float = 0.0,
-        least: FloatArray | None = None,
-    ) -> tuple[FloatArray, FloatArray]:
-        """Pressures as of ``wheels``, and those of the brakes (n, 4) [Pa] that the sensors lag behind."""
         least = np.zeros_like(valid) if least is None else least
         (readings, brakes), _ = self._run(deviations, log, measured, valid, gain, least, _DEAD_BAND * noise)
         return readings, brakes

@@ -70,7 +70,8 @@ class Prepared:
     driving : channels as they drive the replay: pressures without their sensors' noise
     hydraulics : None where the log tells nothing of them
     pressure_known, pressure_valid : True where all wheel pressures were measured; (n, 4) 1 where they hold
-    leads : dp/dt (n,) of wheel pressures [Pa/s], where the hydraulic unit tells it
+    leads : by how much the brakes' pressures lead their readings (n,), per lag of the sensors [Pa/s]; where it is not
+        told by the hydraulic unit a wheel is missing
     between : (n, SUBSTEPS, 4) wheel pressures beside the straight lines between samples [Pa]
     carriers : (n, 4) phases of the tone rings; None without wheel speeds
     least, pressure_least : (n, 6), (n, 4) least gains of the observer, where it begins anew behind a gap of the inputs

@@ -131,12 +131,12 @@ def test_a_wheels_sensor_reads_a_ramp_by_its_time_constant_late(car: VehicleFile
         prepared.hydraulics,
         master=2e6 * log.time, inlet=quiet, outlet=quiet, pump=none, cornering=np.zeros(n, dtype=np.bool_),
     )  # fmt: skip
-    free = unit.wheels({}, ramp, quiet, quiet, gain=0.0)
+    free, _ = unit.wheels({}, ramp, quiet, quiet, gain=0.0)
     rate = np.gradient(free[:, 0], log.time)
     steady = slice(100, -1)
     assert rate[steady] == pytest.approx(2e6, rel=1e-3)
     for measured, valid in ((quiet, quiet), (free - 2e6 * lag, np.ones((n, 4)))):
-        read = unit.wheels({"pressure_sensor_lag.time_constant": lag}, ramp, measured, valid)
+        read, _ = unit.wheels({"pressure_sensor_lag.time_constant": lag}, ramp, measured, valid)
         assert free[steady, 0] - read[steady, 0] == pytest.approx(2e6 * lag, rel=1e-3, abs=1.0)
 
 
@@ -256,7 +256,7 @@ def test_steps_that_are_left_out_while_the_brakes_rest_change_no_bit(
     measured = 3e4 * np.random.default_rng(1).standard_normal((n, 4))  # draws the pressures up and down
     deviations = {effect: model.parameters[model.columns.index(effect)].effect_std} if effect else {}
     found, stepped = (
-        unit.wheels(deviations, one, measured + master[:, None], np.ones((n, 4)), noise=1.5e4)
+        unit.wheels(deviations, one, measured + master[:, None], np.ones((n, 4)), noise=1.5e4)[0]
         for one in (resting, replace(resting, pump=np.ones(n)))
     )
     assert found[140:150].min() > 1e6
@@ -354,7 +354,7 @@ def test_a_throttled_return_stays_above_its_own_line_by_rate_times_lag(
     model = Replay(car, [still])
     hydraulics = replace(model.prepared[0].hydraulics, master=master, behind_master=0.0)
     deviations = {"form_return.lag": 0.02, "circuit_failure.first": failed, "circuit_failure.second": failed}
-    pressures = model.pressures.unit.wheels(deviations, hydraulics, np.zeros(shape), np.zeros(shape), gain=0.0)
+    pressures, _ = model.pressures.unit.wheels(deviations, hydraulics, np.zeros(shape), np.zeros(shape), gain=0.0)
     settled = (log.time > 1.0) & (log.time < 3.0)
     rate = 2e6 * (1.0 - failed)
     above = pressures[settled] - (1.0 - failed) * master[settled, None]
