@@ -6,9 +6,10 @@ the numbers of the car's data sheet, what it knows of effects are their publishe
 """
 
 import hashlib
-import os
-import sys
+from importlib import import_module
 from pathlib import Path
+
+import numba
 
 VERSION = "9"
 
@@ -27,15 +28,22 @@ FORM_DIFFERENCES = (
 """In what the hidden car differs in form from the model that diagnoses it."""
 
 
-def _compile_cache() -> None:
-    """A cache of compiled code per state of these sources: numba's own does not see a changed callee."""
+COMPILED = ("brakes", "chassis", "controller", "courses", "simulator", "tyre", "unknown_terms")
+
+
+def _import_compiled() -> None:
+    """Import what numba compiles with a cache folder per state of these sources: numba's own does not see a changed
+    callee. The folder is fixed where a function is decorated, so what others compile stays where they want it."""
     here = Path(__file__).parent
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in sorted(here.glob("*.py")))).hexdigest()[:16]
-    base = Path(os.environ.get("NUMBA_CACHE_DIR") or Path.home() / ".cache" / "hidden_effects")
-    own = f"hidden_effects_{digest}"
-    os.environ["NUMBA_CACHE_DIR"] = str(base if own in base.parts else base / own)
-    if "numba" in sys.modules:  # it has read the variable at its import
-        sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+    others = numba.config.CACHE_DIR
+    base = Path(others) if others else Path.home() / ".cache" / "hidden_effects"
+    numba.config.CACHE_DIR = str(base / f"hidden_effects_{digest}")
+    try:
+        for module in COMPILED:
+            import_module(f"{__name__}.{module}")
+    finally:
+        numba.config.CACHE_DIR = others
 
 
-_compile_cache()
+_import_compiled()
