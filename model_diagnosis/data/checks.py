@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from model_diagnosis.data.command_checks import command_fault, find_command
+from model_diagnosis.data.command_checks import find_command, without_command
 from model_diagnosis.data.delay_acceptance import accepted_delays, settled_delays
 from model_diagnosis.data.delay_checks import (
     INERTIAL,
@@ -125,11 +125,11 @@ def _check_delays(
     replayed = _replayed(manoeuvres, vehicle, replay)
     relations = lag_relations(manoeuvres, geometry, replayed)
     repaired = list(manoeuvres)
-    commands = find_command(repaired, relations, vehicle)
-    named = [command_fault(late) for late in commands]
-    for late in commands:
-        repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
-    if commands:
+    named: list[DataFault] = []
+    for command in find_command(repaired, relations, vehicle):
+        fault, repaired = without_command(repaired, command)
+        named.append(fault)
+    if named:
         relations = lag_relations(repaired, geometry, replayed)
     sets = candidates(repaired)
     late_sets = explain_lags(relations, sets, proposed=replay is not None)

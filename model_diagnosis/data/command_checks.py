@@ -1,10 +1,11 @@
 """Commands logged as measurements: no noise where a sensor has some, and a lead over the car's answer."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from model_diagnosis.data.delay_checks import LagRelation, Late
+from model_diagnosis.data.delay_checks import LagRelation, Late, shifted
 from model_diagnosis.data.faults import joined
 from model_diagnosis.data.sample_values import noise_of
 from model_diagnosis.data.samples import FloatArray
@@ -14,6 +15,7 @@ from model_diagnosis.result import DataFault
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
+_SUPPLY = frozenset(("master_pressure", "pedal_force"))
 COMMANDED = ("brake_pressure", "steering")
 _LEAD_S = 0.02
 _SURELY = {"brake_pressure": 1.2, "steering": 2.5}
@@ -81,19 +83,33 @@ def find_command(manoeuvres: Sequence[Manoeuvre], relations: Sequence[LagRelatio
     return found
 
 
-def command_fault(late: Late) -> DataFault:
-    """The fault of a command that stands where a measurement should."""
-    lead = -late.delay_s
-    message = (
-        f"{joined(late.channels)} has no sensor noise and leads the car's answer by {1e3 * lead:.0f} ms more than a "
-        "measured value would: a command. Shifted by that lead; the lag of what carries it out stays unknown"
-    )
-    return DataFault(
+def without_command(manoeuvres: Sequence[Manoeuvre], command: Late) -> tuple[DataFault, list[Manoeuvre]]:
+    """The fault of a command that stands where a measurement should, and the manoeuvres repaired.
+
+    Pressures that were asked for say nothing of what the valves made of them. Where the master pressure or the pedal's
+    force was measured the hydraulic unit tells the brakes' pressures, and they are left out; else their lead is all
+    that is known.
+    """
+    lead = -command.delay_s
+    told = all(m.channels.keys() & _SUPPLY for m in manoeuvres)
+    if command.groups == {"brake_pressure"} and told:
+        repaired = [replace(m, channels=_without(m.channels, command.channels)) for m in manoeuvres]
+        repair = "Left out: the brakes' pressures are the hydraulic unit's by what supplies it and by its valves"
+    else:
+        repaired = [shifted(m, command.channels, command.delay_s) for m in manoeuvres]
+        repair = "Shifted by that lead; the lag of what carries it out stays unknown"
+    fault = DataFault(
         kind="command_not_measurement",
-        channel=joined(late.channels),
+        channel=joined(command.channels),
         value=lead,
         unit="s",
-        evidence=0.5 * (lead / late.std_s) ** 2 if 0.0 < late.std_s < np.inf else None,
+        evidence=0.5 * (lead / command.std_s) ** 2 if 0.0 < command.std_s < np.inf else None,
         repaired=True,
-        message=message,
+        message=f"{joined(command.channels)} has no sensor noise and leads the car's answer by {1e3 * lead:.0f} ms "
+        f"more than a measured value would: a command. {repair}",
     )
+    return fault, repaired
+
+
+def _without(channels: Mapping[str, FloatArray], names: Sequence[str]) -> dict[str, FloatArray]:
+    return {name: values for name, values in channels.items() if name not in names}

@@ -22,7 +22,8 @@ _RATES = ("roll_rate", "pitch_rate", "vertical_acceleration", "side_slip_angle")
 _STUCK_S = 0.2
 _CONTEXT_S = 1.0
 _NEVER_WRAPS = ("brake_pressure_", "master_pressure", "drive_torque_", "engine_torque", "pedal_force")
-_APPROACH = 10
+_APPROACHES, _SLOPE_STD = (11, 33, 100), 3.0
+"""Samples on either side of a jump in which a counter goes on its way: as few as show it in its noise."""
 _PRESSURES = ("brake_pressure_", "master_pressure")
 _REST_S = 1.0
 _FINE_OF_SPAN = 2e-3
@@ -108,7 +109,8 @@ def check_wrap(channel: Samples) -> tuple[Samples, list[DataFault]]:
     trend = np.array([_trend(steps, int(k), set(jumps.tolist())) for k in jumps])
     sizes = np.abs(steps[jumps] - trend)
     wrap = float(np.median(sizes))
-    wrap = _range_of_a_counter(wrap, _RANGE_STD * noise_of(values) / np.sqrt(len(sizes)))
+    passes = max(1.0, abs(float(np.sum(np.sign(steps[jumps])))))  # to and fro in noise, steps grow with the noise
+    wrap = _range_of_a_counter(wrap, _RANGE_STD * noise_of(values) / np.sqrt(passes))
     alike = np.abs(sizes - wrap) <= max(4.0 * usual, 0.02 * wrap)
     if np.mean(alike) < 0.5:
         return channel, []
@@ -146,10 +148,23 @@ def _range_of_a_counter(measured: float, uncertainty: float) -> float:
 
 
 def _goes_on(unwrapped: FloatArray, jumps: IndexArray) -> bool:
-    """True where the unwrapped series moves one way before and after most jumps."""
-    before = unwrapped[jumps] - unwrapped[np.maximum(jumps - _APPROACH, 0)]
-    after = unwrapped[np.minimum(jumps + 1 + _APPROACH, len(unwrapped) - 1)] - unwrapped[jumps + 1]
-    return bool(np.mean(before * after > 0.0) > 0.5)
+    """True where the unwrapped series moves the same way before and after most jumps, by more than its noise."""
+    for window in _APPROACHES:
+        whole = jumps[(jumps >= window - 1) & (jumps + window < len(unwrapped))]
+        before = np.array([_slope(unwrapped[k - window + 1 : k + 1]) for k in whole])
+        after = np.array([_slope(unwrapped[k + 1 : k + 1 + window]) for k in whole])
+        if len(whole) and np.mean(before * after > 0.0) > 0.5:
+            return True
+    return False
+
+
+def _slope(values: FloatArray) -> float:
+    """Slope of a straight line per sample, zero where it is less than three of its standard errors."""
+    at = np.arange(len(values)) - 0.5 * (len(values) - 1)
+    slope = float(at @ values / (at @ at))
+    left = values - values.mean() - slope * at
+    error = float(np.sqrt(left @ left / ((len(values) - 2) * (at @ at))))
+    return slope if abs(slope) > _SLOPE_STD * error else 0.0
 
 
 def _trend(steps: FloatArray, jump: int, jumps: set[int]) -> float:

@@ -29,3 +29,28 @@ def test_the_range_is_told_to_the_last_digit(name: str, unit: str, slope: float,
     assert fault.value == wrap
     turns = (repaired.values - course) / wrap
     assert turns == pytest.approx(np.round(turns[0]), abs=1e-9)
+
+
+def test_a_slow_counter_is_unwrapped_though_noise_takes_it_over_its_end_and_back() -> None:
+    """A speed of 16 m/s a turn that falls by 0.5 m/s in a second, less in 0.1 s than its noise of 0.06 m/s."""
+    for seed in range(20):
+        course = 34.0 - 0.5 * TIME + np.random.default_rng(seed).normal(0.0, 0.06, len(TIME))
+        course -= course[150] - 32.0
+        channel = Samples(
+            "speed", "m/s", TIME, np.mod(course, 16.0), np.ones(len(TIME), dtype=bool), "column", "logger"
+        )
+        repaired, (fault,) = check_wrap(channel)
+        assert fault.value == 16.0
+        turns = (repaired.values - course) / 16.0
+        assert turns == pytest.approx(np.round(turns[0]), abs=1e-9)
+
+
+def test_what_is_switched_on_in_noise_is_no_counter() -> None:
+    """A step of 200 noises between two levels: one in a hundred such logs may pass by chance (three windows, three
+    standard errors on either side, the same way)."""
+    found = 0
+    for seed in range(300):
+        switched = 16.0 * (TIME > 2.0) + np.random.default_rng(seed).normal(0.0, 0.08, len(TIME))
+        channel = Samples("speed", "m/s", TIME, switched, np.ones(len(TIME), dtype=bool), "column", "logger")
+        found += bool(check_wrap(channel)[1])
+    assert found <= 3

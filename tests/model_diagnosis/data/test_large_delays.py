@@ -46,7 +46,9 @@ def test_another_late_channel_does_not_draw_the_clock_away(tmp_path: Path) -> No
 def test_pressures_that_are_commands_are_known_in_spite_of_a_short_brake_application(tmp_path: Path) -> None:
     """67 moving samples of one manoeuvre look like noise of 7 kPa: the command passed for early measurements."""
     vehicle, manoeuvres = drawn_logs(tmp_path, SEED, 11)
-    faults, _ = check_data(manoeuvres, vehicle, Replay)
+    faults, repaired = check_data(manoeuvres, vehicle, Replay)
     (command,) = [one for one in faults if one.kind == "command_not_measurement"]
     assert command.channel.startswith("brake_pressure_fl")
     assert command.value == pytest.approx(_hidden(tmp_path)["data_fault"]["value"], abs=0.015)
+    # the pedal's force was measured: what the valves made of the command is the hydraulic unit's to tell
+    assert all("pedal_force" in m.channels and "brake_pressure_fl" not in m.channels for m in repaired)
