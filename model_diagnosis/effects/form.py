@@ -174,6 +174,13 @@ FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
         EffectParameter("lag", "s", 0.0, 0.05, 0.01, 0.01, relative=False),
     ),
     _form(
+        "form_valve_overlap",
+        Group.HYDRAULICS,
+        "V <- V - q_in d as an inlet valve closes and the outlet valve opens: what passes both does not fill the accumulator",
+        _WHEEL_PRESSURES,
+        EffectParameter("time", "s", 0.0, 0.01, 0.001, 0.001, relative=False),
+    ),
+    _form(
         "form_pump_back_pressure",
         Group.HYDRAULICS,
         "p_outlet = d p_accumulator while the pump runs: a weak pump does not keep the line behind the outlets empty",
