@@ -176,7 +176,7 @@ FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
     _form(
         "form_valve_overlap",
         Group.HYDRAULICS,
-        "V <- V - q_in d as an inlet valve closes and the outlet valve opens: what passes both does not fill the accumulator",
+        "V <- V - q_in d as an inlet valve closes and the outlet valve opens: what passes both fills no accumulator",
         _WHEEL_PRESSURES,
         EffectParameter("time", "s", 0.0, 0.01, 0.001, 0.001, relative=False),
     ),

@@ -249,8 +249,8 @@ class HydraulicReplay:
             between = np.zeros(shape)  # rows in which this unit rests are not written
             hydraulic_run(
                 record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump,
-                log.cornering, log.behind_commands, log.behind_master, measured, valid, volume, return_kept, overlap, lag,
-                gain, least, dead_band, between, out,
+                log.cornering, log.behind_commands, log.behind_master, measured, valid, volume, return_kept, overlap,
+                lag, gain, least, dead_band, between, out,
             )  # fmt: skip
             total += share * out
             total_between += share * between
