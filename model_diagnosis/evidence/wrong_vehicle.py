@@ -26,7 +26,10 @@ FAR_OFF = 4.0
 """A nominal parameter is far off beyond this many times its scatter …"""
 
 LEAST_SHARE = 0.1
-"""… and this share of its value: less is no other car, however exactly it is known."""
+"""… and this share of its value: less is no other car, however exactly it is known …"""
+
+SURELY = 3.0
+"""… and so many of its standard deviations in that car: where the data cannot tell numbers apart, all of them move."""
 
 DATA_SHEET = (Group.TYRE, Group.BRAKE, Group.BODY, Group.AERODYNAMICS, Group.STEERING)
 """Groups whose numbers make a car another one."""
@@ -48,23 +51,28 @@ class WrongVehicle:
     Attributes
     ----------
     evidence : log Bayes factor of the wide scatter against "nothing"
-    far_off : columns of nominal parameters beyond four times their scatter and a tenth of their value, farthest first
+    cost : of the best fit with the wide scatter
+    far_off : columns of nominal parameters surely beyond four times their scatter and a tenth of their value, farthest
+        first
     deviations : how far, in units of the scatter
     numbers : that other car; None where the replay has no nominal numbers
     """
 
     evidence: float
+    cost: float
     far_off: tuple[int, ...]
     deviations: tuple[float, ...]
     numbers: CarNumbers | None = None
 
-    def beats(self, selected_evidence: float, left: float = 0.0) -> bool:
+    def beats(self, selected_evidence: float, selected_cost: float, is_more: bool = False) -> bool:
         """True if the data speaks for another car rather than for the selected effects.
 
-        ``left`` is the evidence of a further effect that the answer, full as it is, has no place for. The selected ones
-        are then not the whole either, and another car may say less than they do by so much.
+        ``is_more`` says that the answer, full as it is with numbers of the car, has no place for a further effect that
+        the data asks for: the car is another one by so many numbers, and has to fit better than the answer, no more.
         """
-        return self.evidence > selected_evidence + MARGIN - left and len(self.far_off) >= PARAMETERS_FAR_OFF
+        says_more = self.evidence > selected_evidence + MARGIN
+        fits_better = is_more and self.cost < selected_cost
+        return (says_more or fits_better) and len(self.far_off) >= PARAMETERS_FAR_OFF
 
 
 def are_of_the_car(effects: Sequence[Effect]) -> bool:
@@ -94,7 +102,7 @@ def compare(
     """
     columns = nominal_columns(problem)
     if not len(columns):
-        return WrongVehicle(-np.inf, (), ())
+        return WrongVehicle(-np.inf, np.inf, (), ())
     # another car's numbers are counted from the file one by one, with nothing that two of them have in common
     parameters = problem.replay.parameters
     stated = Priors.of(parameters, in_common=False).nuisance
@@ -110,7 +118,7 @@ def compare(
     )
     count = sum(is_of_data_sheet(problem, int(column)) for column in columns[suspicious])
     if count < PARAMETERS_FAR_OFF or 0.5 * (nothing.cost - near.cost) + LATER_GAIN < named + MARGIN:
-        return WrongVehicle(-np.inf, (), ())
+        return WrongVehicle(-np.inf, np.inf, (), ())
     fresh = problem.linearise(near.theta)
     fits = [problem.fit(fresh, widths[factor], near.theta) for factor in WIDENINGS]
     directions = [
@@ -122,17 +130,20 @@ def compare(
     evidence = float(np.logaddexp.reduce(evidences) - np.log(len(WIDENINGS)))
     deviation = fits[best].theta - problem.priors.centre
     off = deviation / stated
+    std = np.zeros(len(deviation))
+    std[columns] = np.sqrt(np.diag(directions[best].covariance)) * problem.scale[columns]
+    least = np.maximum(np.maximum(FAR_OFF * stated, LEAST_SHARE), SURELY * std)
     order = [
         int(column)
         for column in columns[np.argsort(-np.abs(off[columns]))]
-        if abs(off[column]) > FAR_OFF and abs(deviation[column]) > LEAST_SHARE and is_of_data_sheet(problem, column)
+        if abs(deviation[column]) > least[column] and is_of_data_sheet(problem, column)
     ]
-    std = np.sqrt(np.diag(directions[best].covariance)) * problem.scale[columns]
     return WrongVehicle(
         evidence,
+        fits[best].cost,
         tuple(order),
         tuple(float(off[column]) for column in order),
-        CarNumbers(fits[best].theta, columns.tolist(), std.tolist()),
+        CarNumbers(fits[best].theta, columns.tolist(), std[columns].tolist()),
     )
 
 

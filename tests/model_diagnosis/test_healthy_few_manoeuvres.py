@@ -10,7 +10,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent / "data"))
 
-from hidden_car import hidden_logs
+from hidden_car import drawn_logs, hidden_logs
 
 from model_diagnosis.diagnosis import diagnose
 
@@ -35,3 +35,12 @@ def test_no_cause_is_made_of_form_and_noise(seed: int, names: tuple[str, ...], t
     found = diagnose(manoeuvres, vehicle).diagnosis
     assert [(cause.effect, round(cause.evidence, 1)) for cause in found.causes] == []
     assert found.verdict == "nothing_found"
+
+
+def test_numbers_that_coasting_cannot_tell_apart_are_no_other_car(tmp_path: Path) -> None:
+    """Its drag is 0.58 less. With wide scatters places and heights of its centre and its tyres are 4 to 5 scatters off,
+    too, each with a standard deviation of as much."""
+    vehicle, manoeuvres = drawn_logs(tmp_path, 1000010, 23)
+    found = diagnose(manoeuvres, vehicle).diagnosis
+    assert found.verdict in ("effect_found", "indistinguishable")
+    assert ["aero_drag" in cause.group for cause in found.causes] == [True]

@@ -16,7 +16,7 @@ MISSING = DataFault(kind="missing_channel", channel="yaw_rate", message="no log 
 @pytest.mark.parametrize(("unseen", "verdict"), [(CAR[:20], "wrong_vehicle"), (CAR[:-2], "insufficient_data")])
 def test_data_that_shows_hardly_one_effect_speaks_of_no_other_car(unseen, verdict):
     """A wheel on a rig has one load that is no car's: mass, height and place of its centre all follow it."""
-    wrong = WrongVehicle(100.0, (0, 1, 2), (20.0, -15.0, 6.0))
+    wrong = WrongVehicle(100.0, 0.0, (0, 1, 2), (20.0, -15.0, 6.0))
     assert verdict_of([], [], [], wrong, unseen, len(EFFECTS)) == verdict
 
 
@@ -34,3 +34,21 @@ def test_data_that_shows_hardly_one_effect_speaks_of_no_other_car(unseen, verdic
 )
 def test_nothing_found_is_one_of_three_answers(faults, unseen, verdict):
     assert verdict_of([], [], faults, None, unseen, len(EFFECTS)) == verdict
+
+
+@pytest.mark.parametrize(
+    ("far_off", "selected_evidence", "selected_cost", "is_more", "beats"),
+    [
+        (3, 90.0, -50.0, False, True),
+        (2, 90.0, 50.0, True, False),  # two numbers that are off are two causes
+        (3, 110.0, 50.0, False, False),
+        # a full answer of numbers of the car that lacks another one: five that are off cost more than they say
+        (3, 110.0, 50.0, True, True),
+        (3, 110.0, -50.0, True, False),
+    ],
+)
+def test_another_car_says_more_or_fits_better_than_a_full_answer(
+    far_off: int, selected_evidence: float, selected_cost: float, is_more: bool, beats: bool
+) -> None:
+    wrong = WrongVehicle(100.0, 0.0, tuple(range(far_off)), (20.0,) * far_off)
+    assert wrong.beats(selected_evidence, selected_cost, is_more) is beats
