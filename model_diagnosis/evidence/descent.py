@@ -28,9 +28,6 @@ no further by the sensitivities at hand; what a replay more would gain, new ones
 LESSONS = 1
 """Steps in a row that may fail before they are shortened, as long as each has taught the sensitivities something."""
 
-STRAIGHT = 0.5
-"""Share of a factor from which on it may end at a bound, which it would never reach by its logarithm."""
-
 KEPT = 0.5
 """Share of what a step of all columns promised that it must gain, or teach, for the next one to be one of all, too."""
 
@@ -44,18 +41,6 @@ def unsettled(
         if float(gradient[part] @ step[part]) < SETTLED * tolerance:
             moving[part] = False
     return moving
-
-
-def along(theta: FloatArray, step: FloatArray, factors: NDArray[np.bool_]) -> FloatArray:
-    """Theta (p,) behind a step, in which factors go on by the logarithm of 1 + theta.
-
-    What one factor gains and another one loses leaves their product alone then: in straight lines, exchanging 5 % of
-    the pads' friction for 5 % of each brake's costs 2000 and gains 2. A step by half a factor or more goes straight.
-    """
-    gain = 1.0 + theta
-    bent = factors & (np.abs(step) < STRAIGHT * gain)
-    share = np.divide(step, gain, out=np.zeros_like(step), where=bent)
-    return theta + np.where(bent, gain * np.expm1(share), step)
 
 
 @dataclass
@@ -85,7 +70,6 @@ class Descent:
     scale, low, high : (p,) effect width and bounds of theta
     parts : columns (p,) that take steps apart once a step of all has gained little
     fixed : columns held at their value
-    factors : True for a column (p,) that multiplies by 1 + theta
     tolerance : cost below which a step is not worth a replay
     rough : promised cost up to which a step that fails is tried anew once only, part by part, and never shortened
     theta, rows, cost : where it stands
@@ -101,7 +85,6 @@ class Descent:
     high: FloatArray
     parts: Sequence[NDArray[np.bool_]]
     fixed: Sequence[int]
-    factors: NDArray[np.bool_]
     tolerance: float
     rough: float
     theta: FloatArray = field(init=False)
@@ -189,7 +172,7 @@ class Descent:
         Where two columns act as a product a step leads up a curved valley's side. What that has taught leads the next
         one along the valley, as a second-order correction from its end would (Fletcher 1982).
         """
-        theta, rows, cost = self._at(along(self.theta, step * self.scale, self.factors))
+        theta, rows, cost = self._at(self.theta + step * self.scale)
         has_taught = self.learn((theta - self.theta) / self.scale, self.rows, rows)
         change = cost - self.cost
         if change < 0.0:

@@ -95,11 +95,6 @@ class Problem:
         pressures = np.array([acts_on_pressures(column) for column in self.replay.columns])
         return [part for part in (~pressures, pressures) if part.any()]
 
-    @cached_property
-    def _factors(self) -> NDArray[np.bool_]:
-        """True for the columns (p,) that multiply a number by 1 + theta."""
-        return np.array([parameter.relative for parameter in self.replay.parameters])
-
     @property
     def scale(self) -> FloatArray:
         """Effect width (p,) of each deviation: the unit of z."""
@@ -204,7 +199,6 @@ class Problem:
             self.priors.high,
             self._parts,
             fixed,
-            self._factors,
             ROUGH_TOLERANCE if is_rough else COST_TOLERANCE,
             ROUGH if is_rough else 0.0,
         )

@@ -89,7 +89,6 @@ def test_a_reciprocal_is_found_from_far_off(learning: bool) -> None:
         np.array([5.0, 5.0]),
         (np.ones(2, dtype=np.bool_),),
         (),
-        np.zeros(2, dtype=np.bool_),
         1e-3,
         0.0,
     )

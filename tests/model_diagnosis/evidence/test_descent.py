@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from model_diagnosis.evidence.descent import Descent, along
+from model_diagnosis.evidence.descent import Descent
 
 Cost = Callable[[NDArray[np.float64]], float]
 ALL = (np.ones(6, dtype=np.bool_),)
@@ -41,7 +41,6 @@ def _descent(
             bounds,
             parts,
             (),
-            np.zeros(6, dtype=np.bool_),
             1e-6,
             rough,
         ),
@@ -119,11 +118,3 @@ def test_a_rough_descent_leaves_what_little_a_shorter_step_would_gain() -> None:
     assert eager.run(np.zeros(6), 12)[2] < 0.01 * promised / 50.0  # a step promises fifty times what is to be gained
     assert rough.run(np.zeros(6), 12)[2] == cost(np.zeros(6))
     assert of_rough[0] < of_thorough[0]
-
-
-def test_an_exchange_of_factors_leaves_their_product() -> None:
-    """(1 + a) (1 + b) by the differential of its logarithm; what adds goes straight, and so does a step to a bound."""
-    theta, factors = np.array([-0.2, 0.1, 0.3, 0.0]), np.array([True, True, False, True])
-    moved = along(theta, np.array([0.8 * 0.4, -1.1 * 0.4, 0.4, -1.0]), factors)
-    assert (1.0 + moved[0]) * (1.0 + moved[1]) == pytest.approx((1.0 + theta[0]) * (1.0 + theta[1]), rel=1e-12)
-    np.testing.assert_allclose(moved[2:], [0.7, -1.0], rtol=1e-12)
