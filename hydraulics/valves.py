@@ -101,15 +101,10 @@ def take_up(parameters: Any, state: Any, wheel: int, wanted: float) -> float:
 
 
 @njit(cache=True, forceinline=True)
-def capacity_of(parameters: Any, circuit: int) -> float:
-    """Volume of a circuit's accumulator, less the share that takes no fluid."""
-    return float(parameters.accumulator_volume * (1.0 - parameters.accumulator_blocked[circuit]))
-
-
-@njit(cache=True, forceinline=True)
 def _room(parameters: Any, state: Any, circuit: int) -> float:
     """Volume that a circuit's accumulator can still take."""
-    return max(capacity_of(parameters, circuit) - state.accumulator[circuit], 0.0)
+    capacity = parameters.accumulator_volume * (1.0 - parameters.accumulator_blocked[circuit])
+    return max(capacity - state.accumulator[circuit], 0.0)
 
 
 @njit(cache=True, forceinline=True)

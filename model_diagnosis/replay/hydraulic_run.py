@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from hydraulics.pressure import line_pressure, pressure_step
 from hydraulics.record import HOLD, INCREASE, LONGEST_DELAY_STEPS, STEP_S
-from hydraulics.valves import capacity_of, circuit_of, stiffness
+from hydraulics.valves import circuit_of, stiffness
 from model_diagnosis.replay.record import Record
 from model_diagnosis.replay.state import SUBSTEPS
 
@@ -60,19 +60,6 @@ def _fill_gap(p: Record, s: Record, wheel: int, before: float, gap: float) -> fl
     used = min(gained / per_volume, gap)
     _set_pressure(s, wheel, s.pressure[wheel] - used * per_volume)
     return gap - used
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _take_back(p: Record, s: Record, wheel: int, before: float) -> None:
-    """What a correction takes off a pressure behind an open outlet valve is in the accumulator, what it adds is not.
-
-    A full one stays full: it is why the pressure does not fall, and made room would let it fall again.
-    """
-    circuit = circuit_of(p, wheel)
-    capacity, volume = capacity_of(p, circuit), float(s.accumulator[circuit])
-    if volume < capacity:
-        volume += (before - s.pressure[wheel]) / stiffness(p, wheel, before)
-        s.accumulator[circuit] = min(max(volume, 0.0), capacity)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -283,9 +270,5 @@ def hydraulic_run(
                     before = s.pressure[i]
                     _set_pressure(s, i, max(before + drawn, 0.0))
                     lagged[i] += s.pressure[i] - before
-                    # open in the first or the last of the steps
-                    begun, ended = _row(k - 0.5 + behind_commands, rows), _row(k + 0.4 + behind_commands, rows)
-                    if outlet[begun, i] > 0.5 or outlet[ended, i] > 0.5:
-                        _take_back(p, s, i, before)
             if cornering[k] and s.pressure[i] < _RELEASED_PA:
                 gap[i] = gap_volume
