@@ -174,13 +174,6 @@ FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
         EffectParameter("lag", "s", 0.0, 0.05, 0.01, 0.01, relative=False),
     ),
     _form(
-        "form_valve_overlap",
-        Group.HYDRAULICS,
-        "V <- V - q_in d as an inlet valve closes and the outlet valve opens: what passes both fills no accumulator",
-        _WHEEL_PRESSURES,
-        EffectParameter("time", "s", 0.0, 0.01, 0.001, 0.001, relative=False),
-    ),
-    _form(
         "form_pump_back_pressure",
         Group.HYDRAULICS,
         "p_outlet = d p_accumulator while the pump runs: a weak pump does not keep the line behind the outlets empty",
@@ -193,6 +186,13 @@ FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
         "tau dp/dt + p = k_b F_pedal",
         ("master_pressure",),
         EffectParameter("lag", "s", 0.0, 0.3, 0.04, 0.04, relative=False),
+    ),
+    _form(
+        "form_valve_overlap",
+        Group.HYDRAULICS,
+        "V <- V - q_in d as an inlet valve closes and the outlet valve opens: what passes both fills no accumulator",
+        _WHEEL_PRESSURES,
+        EffectParameter("time", "s", 0.0, 0.01, 0.001, 0.001, relative=False),
     ),
 )
 """Those that act before the wheel brakes."""

@@ -6,7 +6,6 @@ the numbers of the car's data sheet, what it knows of effects are their publishe
 """
 
 import hashlib
-from importlib import import_module
 from pathlib import Path
 
 import numba
@@ -28,9 +27,6 @@ FORM_DIFFERENCES = (
 """In what the hidden car differs in form from the model that diagnoses it."""
 
 
-COMPILED = ("brakes", "chassis", "controller", "courses", "simulator", "tyre", "unknown_terms")
-
-
 def _import_compiled() -> None:
     """Import what numba compiles with a cache folder per state of these sources: numba's own does not see a changed
     callee. The folder is fixed where a function is decorated, so what others compile stays where they want it."""
@@ -40,8 +36,7 @@ def _import_compiled() -> None:
     base = Path(others) if others else Path.home() / ".cache" / "hidden_effects"
     numba.config.CACHE_DIR = str(base / f"hidden_effects_{digest}")
     try:
-        for module in COMPILED:
-            import_module(f"{__name__}.{module}")
+        from hidden_effects import brakes, chassis, controller, courses, simulator, tyre, unknown_terms  # noqa: F401
     finally:
         numba.config.CACHE_DIR = others
 
