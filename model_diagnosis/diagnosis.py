@@ -209,9 +209,9 @@ class _Pipeline:
         chords, starts = (base.at_nothing, base.at_saturated), (selection.fit.theta, base.saturated.theta)
         found = unknown.evidence if unknown else sum(one.evidence for one in selection.accepted)
         accepted = [self.replay.effects[one.hypothesis.effect] for one in selection.accepted]
-        is_more = selection.left > 0.0 and not unknown and are_of_the_car(accepted)
-        wrong = compare(base.problem, selection.nothing, chords, starts, 0.0 if is_more else found)
-        is_wrong = wrong.beats(found, selection.fit.cost, is_more)
+        is_incomplete = selection.left > 0.0 and not unknown and are_of_the_car(accepted)
+        wrong = compare(base.problem, selection.nothing, chords, starts, 0.0 if is_incomplete else found)
+        is_wrong = wrong.beats(found, selection.fit.cost, is_incomplete)
         details: list[CauseDetail] = []
         if not is_wrong and not unknown:
             selection, details = named(search, selector, selection, self._forced, self.replay.physical)

@@ -129,7 +129,8 @@ def _check_delays(
     for command in find_command(repaired, relations, vehicle):
         fault, repaired = without_command(repaired, command)
         named.append(fault)
-    if named:
+    if named:  # what drives the replay is another thing now
+        replayed = _replayed(repaired, vehicle, replay)
         relations = lag_relations(repaired, geometry, replayed)
     sets = candidates(repaired)
     late_sets = explain_lags(relations, sets, proposed=replay is not None)

@@ -1,12 +1,12 @@
 """Commands logged as measurements: no noise where a sensor has some, and a lead over the car's answer."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 
 from model_diagnosis.data.delay_checks import LagRelation, Late, shifted
 from model_diagnosis.data.faults import joined
+from model_diagnosis.data.level_checks import without
 from model_diagnosis.data.sample_values import noise_of
 from model_diagnosis.data.samples import FloatArray
 from model_diagnosis.data.twins import members
@@ -15,8 +15,9 @@ from model_diagnosis.result import DataFault
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
-_SUPPLY = frozenset(("master_pressure", "pedal_force"))
 COMMANDED = ("brake_pressure", "steering")
+_SUPPLY = frozenset(("master_pressure", "pedal_force"))
+"""One of them is enough for the hydraulic unit to tell the pressures of the brakes by its valves."""
 _LEAD_S = 0.02
 _SURELY = {"brake_pressure": 1.2, "steering": 2.5}
 """Spreads of a lead that it has to be. A pressure without noise is suspect by that alone; a good angle sensor's noise
@@ -91,9 +92,9 @@ def without_command(manoeuvres: Sequence[Manoeuvre], command: Late) -> tuple[Dat
     that is known.
     """
     lead = -command.delay_s
-    told = all(m.channels.keys() & _SUPPLY for m in manoeuvres)
-    if command.groups == {"brake_pressure"} and told:
-        repaired = [replace(m, channels=_without(m.channels, command.channels)) for m in manoeuvres]
+    is_supplied = all(m.channels.keys() & _SUPPLY for m in manoeuvres)
+    if command.groups == {"brake_pressure"} and is_supplied:
+        repaired = [without(m, command.channels) for m in manoeuvres]
         repair = "Left out: the brakes' pressures are the hydraulic unit's by what supplies it and by its valves"
     else:
         repaired = [shifted(m, command.channels, command.delay_s) for m in manoeuvres]
@@ -109,7 +110,3 @@ def without_command(manoeuvres: Sequence[Manoeuvre], command: Late) -> tuple[Dat
         f"more than a measured value would: a command. {repair}",
     )
     return fault, repaired
-
-
-def _without(channels: Mapping[str, FloatArray], names: Sequence[str]) -> dict[str, FloatArray]:
-    return {name: values for name, values in channels.items() if name not in names}

@@ -51,7 +51,7 @@ class WrongVehicle:
     Attributes
     ----------
     evidence : log Bayes factor of the wide scatter against "nothing"
-    cost : of the best fit with the wide scatter
+    cost : of the fit with the wide scatter that says most
     far_off : columns of nominal parameters surely beyond four times their scatter and a tenth of their value, farthest
         first
     deviations : how far, in units of the scatter
@@ -64,14 +64,15 @@ class WrongVehicle:
     deviations: tuple[float, ...]
     numbers: CarNumbers | None = None
 
-    def beats(self, selected_evidence: float, selected_cost: float, is_more: bool = False) -> bool:
+    def beats(self, selected_evidence: float, selected_cost: float, is_incomplete: bool = False) -> bool:
         """True if the data speaks for another car rather than for the selected effects.
 
-        ``is_more`` says that the answer, full as it is with numbers of the car, has no place for a further effect that
-        the data asks for: the car is another one by so many numbers, and has to fit better than the answer, no more.
+        ``is_incomplete`` says that the answer, full of numbers of the car, has no place for a further effect that the
+        data asks for. So many are off that another car has to fit better than the answer only: widening every number's
+        scatter costs 125 of log evidence, whatever is off, and four effects less.
         """
         says_more = self.evidence > selected_evidence + MARGIN
-        fits_better = is_more and self.cost < selected_cost
+        fits_better = is_incomplete and self.cost < selected_cost
         return (says_more or fits_better) and len(self.far_off) >= PARAMETERS_FAR_OFF
 
 

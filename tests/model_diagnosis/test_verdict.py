@@ -37,18 +37,18 @@ def test_nothing_found_is_one_of_three_answers(faults, unseen, verdict):
 
 
 @pytest.mark.parametrize(
-    ("far_off", "selected_evidence", "selected_cost", "is_more", "beats"),
+    ("far_off", "selected_evidence", "selected_cost", "is_incomplete", "beats"),
     [
         (3, 90.0, -50.0, False, True),
         (2, 90.0, 50.0, True, False),  # two numbers that are off are two causes
         (3, 110.0, 50.0, False, False),
-        # a full answer of numbers of the car that lacks another one: five that are off cost more than they say
+        # a full answer that lacks another number of the car
         (3, 110.0, 50.0, True, True),
         (3, 110.0, -50.0, True, False),
     ],
 )
 def test_another_car_says_more_or_fits_better_than_a_full_answer(
-    far_off: int, selected_evidence: float, selected_cost: float, is_more: bool, beats: bool
+    far_off: int, selected_evidence: float, selected_cost: float, is_incomplete: bool, beats: bool
 ) -> None:
     wrong = WrongVehicle(100.0, 0.0, tuple(range(far_off)), (20.0,) * far_off)
-    assert wrong.beats(selected_evidence, selected_cost, is_more) is beats
+    assert wrong.beats(selected_evidence, selected_cost, is_incomplete) is beats

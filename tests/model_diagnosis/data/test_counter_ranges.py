@@ -46,11 +46,14 @@ def test_a_slow_counter_is_unwrapped_though_noise_takes_it_over_its_end_and_back
 
 
 def test_what_is_switched_on_in_noise_is_no_counter() -> None:
-    """A step of 200 noises between two levels: one in a hundred such logs may pass by chance (three windows, three
-    standard errors on either side, the same way)."""
+    """A step of 200 noises between two levels passes where both sides slope the same way by three standard errors.
+
+    By chance a line through 11 samples does by 0.0150 (t of 9), both the same way by 1.1e-4, and longer ones seldomer:
+    more than one of 300 logs has a probability of 0.001.
+    """
     found = 0
     for seed in range(300):
         switched = 16.0 * (TIME > 2.0) + np.random.default_rng(seed).normal(0.0, 0.08, len(TIME))
         channel = Samples("speed", "m/s", TIME, switched, np.ones(len(TIME), dtype=bool), "column", "logger")
         found += bool(check_wrap(channel)[1])
-    assert found <= 3
+    assert found <= 1
