@@ -187,6 +187,13 @@ FORM_HYDRAULICS_EFFECTS: tuple[Effect, ...] = (
         ("master_pressure",),
         EffectParameter("lag", "s", 0.0, 0.3, 0.04, 0.04, relative=False),
     ),
+    _form(
+        "form_valve_overlap",
+        Group.HYDRAULICS,
+        "V <- V - q_in d as an inlet valve closes and the outlet valve opens: what passes both fills no accumulator",
+        _WHEEL_PRESSURES,
+        EffectParameter("time", "s", 0.0, 0.01, 0.001, 0.001, relative=False),
+    ),
 )
 """Those that act before the wheel brakes."""
 

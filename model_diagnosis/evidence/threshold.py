@@ -37,8 +37,13 @@ def bootstrap_maxima(
     """Largest log Bayes factor (draws,) of data of ordinary cars, drawn from the information (p, p) directly.
 
     A data set enters only by b* = M theta* + M^(1/2) xi with theta* ~ N(0, diag(nuisance^2)): nothing is simulated.
-    ``nuisance`` are ratios of widths to effect widths.
+    ``nuisance`` are ratios of widths to effect widths. A column that the data does not inform takes no draw: whatever
+    the catalogue holds beside what the data shows, the maxima are the same.
     """
+    told = np.flatnonzero(np.diag(information) > 0.0)
+    place = {int(column): row for row, column in enumerate(told)}
+    hypotheses = [[place[one] for one in hypothesis if one in place] for hypothesis in hypotheses]
+    information, nuisance = information[np.ix_(told, told)], nuisance[told]
     values, vectors = np.linalg.eigh(information)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     size = len(nuisance)
@@ -49,7 +54,7 @@ def bootstrap_maxima(
     projected = (scores @ covariance) * precision
     added = np.maximum(1.0 - nuisance**2, 0.0)
     maxima = np.full(draws, -np.inf)
-    for columns in (list(hypothesis) for hypothesis in hypotheses):
+    for columns in filter(None, hypotheses):
         block = projected_information[np.ix_(columns, columns)]
         root_added = np.sqrt(added[columns])
         inner = np.eye(len(columns)) + root_added[:, None] * block * root_added[None, :]

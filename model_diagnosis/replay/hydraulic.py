@@ -51,6 +51,7 @@ _OF_VALVES = (
     "pump_rate",
     "low_pressure_accumulator_full",
     "form_release",
+    "form_valve_overlap",
     "form_pump_back_pressure",
 )
 """Effects of what fluid passes only while a valve is moved, or comes from there."""
@@ -238,6 +239,7 @@ class HydraulicReplay:
         throttled = deviations.get("form_return.lag", 0.0)
         # an implicit step: its slope at a lag of 0 is not 0, as that of an exponential would be
         return_kept = throttled / (throttled + STEP_S)
+        overlap = deviations.get("form_valve_overlap.time", 0.0)
         lag = deviations.get(PRESSURE_LAG, 0.0)
         changes = tuple((column, value) for column, value in deviations.items() if column in _PATHS)
         total, total_between = np.zeros((2, len(master), 4)), np.zeros(shape)
@@ -247,8 +249,8 @@ class HydraulicReplay:
             between = np.zeros(shape)  # rows in which this unit rests are not written
             hydraulic_run(
                 record, np.zeros(1, STATE_RECORD), master, log.inlet, log.outlet, log.pump,
-                log.cornering, log.behind_commands, log.behind_master, measured, valid, volume, return_kept, lag, gain,
-                least, dead_band, between, out,
+                log.cornering, log.behind_commands, log.behind_master, measured, valid, volume, return_kept, overlap,
+                lag, gain, least, dead_band, between, out,
             )  # fmt: skip
             total += share * out
             total_between += share * between

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from hydraulics.pressure import line_pressure, pressure_step
 from hydraulics.record import HOLD, INCREASE, LONGEST_DELAY_STEPS, STEP_S
-from hydraulics.valves import stiffness
+from hydraulics.valves import circuit_of, stiffness
 from model_diagnosis.replay.record import Record
 from model_diagnosis.replay.state import SUBSTEPS
 
@@ -18,6 +18,10 @@ _TICKS_OF_STEP = TICKS // SUBSTEPS
 
 _QUIET_SAMPLES = LONGEST_DELAY_STEPS // TICKS + 2
 """Time without commands after which the unit remembers none."""
+
+_VALVE_S = 2e-3
+"""Time constant of a closing inlet valve: solenoid valves move in 2 to 5 ms."""
+_KEPT_OPEN = math.exp(-STEP_S / _VALVE_S)
 
 _RELEASED_PA = 5e4
 _NOTHING_PA = 0.01
@@ -65,6 +69,25 @@ def _throttle_return(p: Record, s: Record, wheel: int, before: float, supply: fl
     slowest = line + kept * (before - line)
     if slowest > line + _NOTHING_PA and s.pressure[wheel] < slowest:
         _set_pressure(s, wheel, slowest)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _overlap(p: Record, s: Record, wheel: int, supply: float, overlap: float, left: float) -> float:
+    """Keep out of the accumulator what leaves a brake while as much comes in through its closing inlet valve.
+
+    Neither shows in the brake's pressure. ``left`` is what would pass so if the outlet valve opened now [m^3]; returns
+    it for the next step.
+    """
+    before = float(s.pressure[wheel])
+    mode = s.previous_state[wheel]
+    if mode == INCREASE:
+        flow = (line_pressure(p, wheel, supply) - before) / (p.time_constant[INCREASE] * stiffness(p, wheel, before))
+        return overlap * max(flow, 0.0)
+    if mode == HOLD:
+        return left * _KEPT_OPEN
+    circuit = circuit_of(p, wheel)
+    s.accumulator[circuit] = max(s.accumulator[circuit] - left, 0.0)
+    return 0.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -145,6 +168,7 @@ def hydraulic_run(
     valid: NDArray[np.float64],
     gap_volume: float,
     return_kept: float,
+    overlap: float,
     sensor_lag: float,
     gain: float,
     least: NDArray[np.float64],
@@ -166,6 +190,7 @@ def hydraulic_run(
     measured, valid : (n, 4) lagged pressures [Pa] on which the observer corrects, and 1 where they hold
     gap_volume : m^3, behind the pads after cornering
     return_kept : share of the pressure beyond the supply that is left 1 ms later; 0 where it returns at once
+    overlap : time for which the flow through a closing inlet valve leaves past the accumulator [s]
     sensor_lag : of the sensors that measure the wheels' pressures [s]
     gain : of the observer, per sample
     least : (n, 4) least gains, where the observer begins anew behind a gap of the inputs
@@ -177,7 +202,7 @@ def hydraulic_run(
     """
     p = parameters[0]
     s = memory[0]
-    unused, gap, begin, lagged = np.zeros(18), np.zeros(4), np.zeros(4), np.zeros(4)
+    unused, gap, begin, lagged, passing = np.zeros(18), np.zeros(4), np.zeros(4), np.zeros(4), np.zeros(4)
     kept, of_begin, of_end = lag_shares(sensor_lag, STEP_S)
     for i in range(4):
         s.previous_state[i] = -1
@@ -211,6 +236,11 @@ def hydraulic_run(
                         _throttle_return(p, s, 2, before_2, supply, return_kept)
                     if energised[3] < 0.5:
                         _throttle_return(p, s, 3, before_3, supply, return_kept)
+                if overlap > 0.0:
+                    passing[0] = _overlap(p, s, 0, supply, overlap, passing[0])
+                    passing[1] = _overlap(p, s, 1, supply, overlap, passing[1])
+                    passing[2] = _overlap(p, s, 2, supply, overlap, passing[2])
+                    passing[3] = _overlap(p, s, 3, supply, overlap, passing[3])
                 if gap_volume > 0.0:
                     gap[0] = _fill_gap(p, s, 0, before_0, gap[0])
                     gap[1] = _fill_gap(p, s, 1, before_1, gap[1])

@@ -25,6 +25,20 @@ def test_bootstrap_from_the_information_equals_simulating_the_data() -> None:
         assert share == pytest.approx(level, abs=4.0 * np.sqrt(2.0 * level * (1.0 - level) / 1500) + 1e-9)
 
 
+def test_columns_that_the_data_does_not_inform_change_no_draw() -> None:
+    """A catalogue that grows by an effect of the brakes asks for the same evidence in a drive without braking."""
+    matrix = np.random.default_rng(0).standard_normal((60, 4)) * np.array([8.0, 5.0, 3.0, 2.0])
+    wide = np.zeros((60, 6))
+    wide[:, [0, 2, 3, 5]] = matrix
+    told = bootstrap_maxima(
+        matrix.T @ matrix, np.full(4, 0.15), [(0,), (1, 2), (3,)], np.random.default_rng(1), draws=200
+    )
+    beside = bootstrap_maxima(
+        wide.T @ wide, np.full(6, 0.15), [(0,), (1,), (2, 3, 4), (5,)], np.random.default_rng(1), draws=200
+    )
+    np.testing.assert_array_equal(beside, told)
+
+
 def test_threshold_is_never_below_the_price_of_the_search() -> None:
     assert threshold(np.zeros(100), 75, 6) == pytest.approx(np.log(20.0) + 0.5 * np.log(75.0))
     assert threshold(np.full(100, 9.0), 75, 6) == pytest.approx(9.0)
