@@ -34,7 +34,7 @@ from model_diagnosis.replay.prepared import PRESSURES, Prepared, prepare
 from model_diagnosis.replay.record import OUTPUTS, SHOWN_STATES
 from model_diagnosis.replay.sensors import own_noise
 from model_diagnosis.replay.side_by_side_cars import CarRun, run_four, run_one, together
-from model_diagnosis.replay.sums import sums_of
+from model_diagnosis.replay.sums import BrakeGains, sums_of
 from model_diagnosis.replay.sweep import sweep
 from model_diagnosis.replay.terms import TermCourse, with_terms
 from model_diagnosis.replay.wheel_pressures import WheelPressures
@@ -108,6 +108,7 @@ class Replay(ReplayBase):
         super().__init__(vehicle, manoeuvres, columns, nominal_car(vehicle), threads)
         self._of_pressures = frozenset(filter(acts_on_pressures, columns.names))
         self._sums = sums_of(columns.names, self.car.record[0])
+        self._brake_gains = BrakeGains(columns.names, self.car.record[0])
         self.pressures = WheelPressures(vehicle)
         self.gains = np.array([*_GAINS, _DEAD_BAND * own_noise(vehicle, "wheel_speed_fl")])
         nominal = self._record_at({})[0]
@@ -263,8 +264,13 @@ class Replay(ReplayBase):
         """Column of the catalogue or a term that a column acts as in a manoeuvre; None where it does not act there."""
         return self._columns.acts_as(column, m)
 
-    def sum_of(self, column: int) -> Mapping[int, float]:
-        """Columns that together do what a column does, and how much of each: itself, or those of the axles."""
+    def sum_of(self, column: int, theta: FloatArray, m: int) -> Mapping[int, float]:
+        """Columns that together do at theta what a column does in a manoeuvre, and how much of each.
+
+        Itself, those of the axles or those of each wheel's brake, where these drive nothing.
+        """
+        if column in self._brake_gains.columns and not self.prepared[m].drives(self.columns[column]):
+            return self._brake_gains.shares(column, theta)
         return self._sums.get(column, {column: 1.0})
 
     @property

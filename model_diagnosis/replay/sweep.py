@@ -41,7 +41,7 @@ def sweep(replay: "Replay", theta: FloatArray, m: int, columns: Sequence[int]) -
     A column that does what others do together has the sum of theirs: near the limit a run is rough, and differences of
     their own would seem to tell it from those.
     """
-    summed = {column: replay.sum_of(column) for column in columns}
+    summed = {column: replay.sum_of(column, theta, m) for column in columns}
     asked = list(dict.fromkeys(part for parts in summed.values() for part in parts))
     found = _Sweep(replay, theta, m, asked).run()
     if asked == list(columns):
