@@ -1,5 +1,6 @@
 """A serial line between two processes, without wires."""
 
+import contextlib
 import mmap
 import os
 import pty
@@ -40,8 +41,12 @@ class NullModem:
         return COUNTS.unpack(self._counts[:])
 
     def disturb(self, end: int, stray: bytes) -> None:
-        """Bytes that nobody has written arrive at an end."""
-        os.write(self._pairs[end][0], stray)
+        """Bytes that nobody has written arrive at an end, as soon as the line takes them."""
+        line, left = self._pairs[end][0], stray
+        while left:
+            select.select([], [line], [])
+            with contextlib.suppress(BlockingIOError):  # the other process has filled it meanwhile
+                left = left[os.write(line, left) :]
 
     def close(self) -> None:
         """End both lines."""

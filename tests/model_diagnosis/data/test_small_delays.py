@@ -19,7 +19,7 @@ NAMES = ("gentle_stops", "brake_in_turn", "sine_steer", "accelerate_and_brake")
     ("seed", "kind", "channels", "delay_s"),
     [
         pytest.param(201, "wheel_speed_delay", WHEEL_SPEEDS, 0.02, marks=pytest.mark.nightly),
-        (205, "wheel_speed_delay", WHEEL_SPEEDS, 0.04),
+        pytest.param(205, "wheel_speed_delay", WHEEL_SPEEDS, 0.04, marks=pytest.mark.nightly),
         (206, "can_latency", INERTIAL, 0.015),
         (202, "can_latency", INERTIAL, 0.03),
     ],
@@ -39,7 +39,7 @@ def test_a_small_delay_is_found(
     ("seed", "effect"),
     [
         (207, ("brake_drag_torque", 45.0, 0)),
-        (208, ("tyre_friction", -0.3, 0)),
+        pytest.param(208, ("tyre_friction", -0.3, 0), marks=pytest.mark.nightly),
         (209, ("tyre_relaxation_length", 0.35, 0)),
         (203, None),
     ],
