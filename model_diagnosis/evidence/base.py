@@ -32,8 +32,8 @@ FORM_GAIN = 0.1
 WHITENING_ROUNDS = 2
 WORTH_WHITENING = 0.02
 """Share by which sigma of the whitened rows must fall for the saturated fit's residual to be whitened by once more. On
-cars of the challenge's generator its last sensitivities gain 0.6 to 1.4 % (measured); 4 to 8 % are the end of a fit
-that had stayed in a wrong valley, and whitened by that an effect of that valley seems real."""
+most cars of the challenge's generator its last sensitivities gain 0 to 1.8 % (ten of them); 2.9 to 8 % (four) are the
+end of a fit that had stayed in a wrong valley, and whitened by that an effect of that valley seems real."""
 
 CONVERGING_SWEEPS = 3
 CONVERGED = 1.0
@@ -53,8 +53,8 @@ show neither form the two differ by 0.001 (measured)."""
 
 LEAST_LOWER = 10.0
 """Cost by which "nothing" must fit better in a form than in the vehicle file's own. Half of it is log evidence that an
-effect can get by standing in for the right form, less than any threshold asks for. A drive that shows the form, alone
-among two, gains 25; on drives of the bench's plant, which has the file's own, the difference is -4 to 6 (measured)."""
+effect can get by standing in for the right form, less than any threshold asks for. A single drive that shows the other
+form gains 25; on drives of the bench's plant, which has the file's own, it is -4 to 6 (measured)."""
 
 
 @dataclass(frozen=True)
