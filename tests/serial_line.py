@@ -13,6 +13,9 @@ from collections.abc import Sequence
 
 COUNTS = struct.Struct("QQ")
 
+DRAINED_S = 20.0
+"""Longest wait for a full line: its 4 KiB take 40 ms at 1 Mbit/s, and a loaded machine some seconds."""
+
 
 class NullModem:
     """Two pseudo-terminals joined by a process that copies bytes both ways.
@@ -41,10 +44,11 @@ class NullModem:
         return COUNTS.unpack(self._counts[:])
 
     def disturb(self, end: int, stray: bytes) -> None:
-        """Bytes that nobody has written arrive at an end, as soon as the line takes them."""
+        """Bytes that nobody has written arrive at an end, as soon as the line takes them; it is read all the time."""
         line, left = self._pairs[end][0], stray
         while left:
-            select.select([], [line], [])
+            if not select.select([], [line], [], DRAINED_S)[1]:
+                raise TimeoutError(f"nobody reads end {end}")
             with contextlib.suppress(BlockingIOError):  # the other process has filled it meanwhile
                 left = left[os.write(line, left) :]
 

@@ -115,8 +115,10 @@ def fit_base(replay: ReplayModel, priors: Priors, progress: Progress | None = No
 def _whitened_by(
     whitener: Whitener, crude: Problem, nothing: Fit, saturated: Fit, at_base: Sequence[FloatArray]
 ) -> Base:
-    """Both fits behind a whitening, from where they ended behind the one before: what this still finds in them is no
-    form error. ``at_base`` are the sensitivities at the base fit."""
+    """Both fits behind a whitening, from where they ended behind the one before; ``at_base`` are the base fit's slopes.
+
+    What this whitening still finds in them is no form error.
+    """
     problem = replace(crude, whitener=whitener)
     at_saturated = problem.linearise(saturated.theta)
     at_nothing = problem.linearise(nothing.theta, at_base)
