@@ -45,6 +45,13 @@ FORM_EFFECTS: tuple[Effect, ...] = (
         EffectParameter("apart", "1", -1.0, 0.3, 1.0, 1.0),
     ),
     _form(
+        "form_heave",
+        Group.SUSPENSION,
+        "a share d of what the links lift in all does not heave the body: one that only pitches holds it by its weight",
+        (*_MOTION, *_WHEEL_SPEEDS),
+        EffectParameter("held", "1", -0.5, 1.3, 1.0, 1.0),
+    ),
+    _form(
         "form_weight_arm",
         Group.BODY,
         "the weight tips the body by m g (h - R + d): it turns about its wheels' axes, its roll axis or the ground",

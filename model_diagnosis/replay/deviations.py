@@ -138,6 +138,7 @@ def _form_changes() -> dict[str, tuple[_Change, ...]]:
         "form_pitch_pole.share": (_absolute("pitch_pole"),),
         "form_guide_lean.share": (_absolute("guide_lean"),),
         "form_support.apart": (_absolute("support_apart"),),
+        "form_heave.held": (_absolute("link_lift_held"),),
         "form_transient.share": (_absolute("lag_on_force"),),
         "form_steering_link.share": (_absolute("steering_link"),),
         "form_trail.bulge": (_absolute("trail_bulge"),),

@@ -83,6 +83,7 @@ _NUMBERS = (
     "pitch_pole",  # share of the way from the centre of gravity to the springs' centre about which the body pitches
     "guide_lean",  # share of the body's lean that turns the wheels' guides
     "support_apart",  # share of the difference of an axle's braking by which links push up one side more
+    "link_lift_held",  # share of what links lift the body by in all that its weight takes back at once
     "lag_on_force",  # share of the relaxation lengths along which the force follows, not the slip
     "steering_link",  # share of the way from each front wheel's own aligning moment to their mean, to which it yields
     "trail_bulge",  # how much longer the trail stays than along a straight line to the peak

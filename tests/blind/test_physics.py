@@ -94,6 +94,27 @@ def test_braking_moves_m_a_h_over_l_to_the_front() -> None:
 
 
 @pytest.mark.parametrize("axle", [0, 1], ids=["front", "rear"])
+def test_lift_over_an_axle_lightens_it_and_pitches_the_body(axle: int) -> None:
+    """Rolling at constant speed: F = rho/2 A c v^2 lightens that axle, (K - m g h) theta = F times its arm; from the
+    first instant on, as before it nothing else was."""
+    coefficient = [0.0, 0.0]
+    coefficient[axle] = 0.2
+    car = _changed(drag_area=0.0, rolling_resistance=[0.0] * 4, lift_coefficient=coefficient)
+    out = simulate(as_record(car), Script("roll", 30.0, 3.0, nothing, nothing, nothing).drive())
+    lifted = 0.5 * 1.2 * 2.0 * 0.2 * 30.0**2
+    stiffness, _ = pitch_rates(as_record(car))
+    moment = lifted * (-1.25, 1.32)[axle]
+    angle = moment / (stiffness - 1296.0 * GRAVITY_M_S2 * 0.535)
+    assert out[[0, -1], INDEX["pitch_angle"]] == pytest.approx(angle, rel=1e-3)
+    load, at_rest = _columns(out, "load")[-1], 0.5 * 1296.0 * GRAVITY_M_S2 * np.array([1.32, 1.32, 1.25, 1.25]) / 2.57
+    # the weight of the pitched body moves to the side to which it leans
+    shifted = 0.5 * 1296.0 * GRAVITY_M_S2 * 0.535 * angle / 2.57 * np.array([1.0, 1.0, -1.0, -1.0])
+    lighter = np.zeros(4)
+    lighter[2 * axle : 2 * axle + 2] = 0.5 * lifted
+    assert load == pytest.approx(at_rest + shifted - lighter, rel=1e-6)
+
+
+@pytest.mark.parametrize("axle", [0, 1], ids=["front", "rear"])
 def test_support_of_an_axle_takes_its_own_moment_from_the_springs(axle: int) -> None:
     """Settled: (K - m g h) theta = -h sum F + tan(eps) F_axle times that axle's arm about the centre of gravity, with
     what the slowing wheels hand on to the body and less what rolling resistance turns it back."""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numba
 
-VERSION = "9"
+VERSION = "10"
 
 FORM_DIFFERENCES = (
     "step 0.5 ms; chassis by the two-step Adams-Bashforth rule, wheel spin and tyre force staggered (symplectic)",

@@ -67,12 +67,33 @@ def link_load(car: Any, force_x: FloatArray, force_y: FloatArray) -> float:
 
 
 @njit(cache=True)
+def lift(car: Any, speed: float, axle: int) -> float:
+    """Force [N] of the air that lifts the body over an axle."""
+    lifted: float = 0.5 * car.air_density * car.frontal_area * car.lift_coefficient[axle] * (speed + car.head_wind) ** 2
+    return lifted
+
+
+@njit(cache=True)
+def lift_moment(car: Any, speed: float) -> float:
+    """Moment [N m] by which the lifting air pitches the body, nose down positive."""
+    return lift(car, speed, 1) * (car.wheelbase - car.cg_to_front) - lift(car, speed, 0) * car.cg_to_front
+
+
+@njit(cache=True)
+def pitch_of_lift(car: Any, speed: float) -> float:
+    """Pitch angle [rad] of the car that rolls freely under the lifting air, its weight's moment included."""
+    return lift_moment(car, speed) / (pitch_rates(car)[0] - car.mass * GRAVITY_M_S2 * car.cg_height)
+
+
+@njit(cache=True)
 def wheel_loads(car: Any, state: FloatArray, force_x: FloatArray, force_y: FloatArray, load: FloatArray) -> None:
-    """Vertical loads [N] from springs, dampers and links; ``force_x``, ``force_y`` (4,) in the car's axes."""
+    """Vertical loads [N] from springs, dampers and links; ``force_x``, ``force_y`` (4,) in the car's axes.
+
+    The air lifts the body: its moment pitches it, and what it carries in all a body without heave feels as less weight.
+    """
     front_share = (car.wheelbase - car.cg_to_front) / car.wheelbase
-    weight = car.mass * GRAVITY_M_S2
+    weight = car.mass * GRAVITY_M_S2 - lift(car, state[VX], 0) - lift(car, state[VX], 1)
     stiffness, damping = pitch_rates(car)
-    lifting = 0.5 * car.air_density * car.frontal_area * (state[VX] + car.head_wind) ** 2
     links = link_load(car, force_x, force_y)
     along = (stiffness * state[PITCH] + damping * state[PITCH_RATE]) / car.wheelbase + links
     for axle in range(2):
@@ -80,7 +101,7 @@ def wheel_loads(car: Any, state: FloatArray, force_x: FloatArray, force_y: Float
         side = force_y[2 * axle] + force_y[2 * axle + 1]
         across = (k * state[ROLL] + c * state[ROLL_RATE] + side * car.roll_centre[axle]) / car.track
         static = 0.5 * weight * (front_share if axle == 0 else 1.0 - front_share)
-        mean = static + (0.5 * along if axle == 0 else -0.5 * along) - 0.5 * lifting * car.lift_coefficient[axle]
+        mean = static + (0.5 * along if axle == 0 else -0.5 * along)
         load[2 * axle] = max(mean - across, 0.0)
         load[2 * axle + 1] = max(mean + across, 0.0)
 
@@ -141,6 +162,7 @@ def derivatives(
         - (car.drag_height - car.cg_height) * drag
         - stiffness * state[PITCH]
         - damping * state[PITCH_RATE]
+        + lift_moment(car, state[VX])
     )
     rate[PITCH] = state[PITCH_RATE]
     rate[PITCH_RATE] = (pitch + weight_moment * state[PITCH] - car.wheelbase * links) / pitch_inertia

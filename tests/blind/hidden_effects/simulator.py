@@ -126,7 +126,7 @@ def _spin(inertia: float, omega: float, torque: float, capacity: float, step: fl
 @njit(cache=True)
 def _start(car: Any, s: Any, speed: float, given: FloatArray) -> None:
     """Rolling freely at a speed, or as recorded."""
-    s.body[chassis.VX] = speed
+    s.body[chassis.VX], s.body[chassis.PITCH] = speed, chassis.pitch_of_lift(car, speed)
     s.reference = speed
     for i in range(4):
         s.omega[i], s.rim_before[i] = speed / car.radius[i], speed

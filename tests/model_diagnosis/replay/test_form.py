@@ -43,6 +43,32 @@ def test_turning_rates_lag_like_their_sensor(hidden: Replay, drive: int, signal:
     assert float(np.corrcoef(moved, expected)[0, 1]) > 0.98
 
 
+def test_a_body_that_links_cannot_lift_keeps_its_weight_on_the_wheels(hidden: Replay) -> None:
+    """Anti-dive of 0.2 rad in an ABS stop: without heave hardly a load but the weight, and in the mean the same loads.
+
+    Until the body has risen the wheels carry F tan(eps) more; of 8 kN at the front axle that is 1.6 kN. What is left
+    without heave the dampers do, whose centre is not that of the springs.
+    """
+    theta = np.zeros(len(hidden.columns))
+    theta[hidden.columns.index("anti_dive_anti_lift.front")] = 0.2
+    # neither a body that turns about its springs' centre nor wheels that stand upright heave it for another reason
+    theta[hidden.columns.index("form_pitch_pole.share")] = 1.0
+    theta[hidden.columns.index("form_guide_lean.share")] = -1.0
+    lifted = _loads(hidden, theta)
+    theta[hidden.columns.index("form_heave.held")] = 1.0
+    held = _loads(hidden, theta)
+    weight = hidden.vehicle.body.mass * 9.81
+    carried, rest = (np.abs(loads.sum(axis=1) - weight).max() for loads in (lifted, held))
+    assert carried == pytest.approx(8e3 * np.tan(0.2), rel=0.25)
+    assert rest < 0.02 * weight
+    assert held.mean(axis=0) == pytest.approx(lifted.mean(axis=0), rel=0.002)
+
+
+def _loads(replay: Replay, theta: np.ndarray) -> np.ndarray:
+    states = replay.states(theta, 0)
+    return np.column_stack([states[f"vertical_load_{wheel}"] for wheel in ("fl", "fr", "rl", "rr")])
+
+
 def test_rest_of_another_loggers_clock_is_told(car: VehicleFile, replay: Replay) -> None:
     """Half a sample beside the raster, which shifts by whole samples leave, to a fifth of a sample."""
     late, manoeuvres = 0.005, []
