@@ -36,13 +36,17 @@ def look_ahead(s: Record, step: float) -> None:
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def link_push(p: Record, s: Record, i: int) -> float:
-    """Force by which a wheel's links push the body up: they feel what acts along and across it."""
-    force_x, force_y = s.ground_force_x[i], s.ground_force_y[i]
-    # a rigid axle pushes up both sides alike
-    supported = force_x + 0.5 * (1.0 - p.support_apart) * (s.ground_force_x[i ^ 1] - force_x)
-    push: float = where(supported < 0.0, p.guide_brake[i], p.guide_drive[i]) * supported + p.guide_side[i] * force_y
-    return push
+def push_by_links(p: Record, s: Record) -> float:
+    """Forces [N] by which each wheel's links push the body up; their sum. They feel what acts along and across it."""
+    up = 0.0
+    for i in range(4):
+        force_x, force_y = s.ground_force_x[i], s.ground_force_y[i]
+        # a rigid axle pushes up both sides alike
+        supported = force_x + 0.5 * (1.0 - p.support_apart) * (s.ground_force_x[i ^ 1] - force_x)
+        push = where(supported < 0.0, p.guide_brake[i], p.guide_drive[i]) * supported + p.guide_side[i] * force_y
+        s.link_push[i] = push
+        up += push
+    return up
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
@@ -55,10 +59,8 @@ def load_wheels(p: Record, s: Record, step: float) -> None:
     up = lift_front + lift_rear
     nose_down = -p.wheel_x[0] * lift_front - p.wheel_x[2] * lift_rear
     left_up = 0.0
-    held = 0.0
-    for i in range(4):
-        held += link_push(p, s, i)
-    held *= p.link_lift_held * p.inverse_mass / GRAVITY
+    # of the sum of what links push, as a share of the weight, which takes it back where it lies itself
+    held = p.link_lift_held * push_by_links(p, s) * p.inverse_mass / GRAVITY
     for i in range(4):
         x, y = p.wheel_x[i], p.wheel_y[i]
         # the axle's mean compression, and half its difference to the other wheel
@@ -76,7 +78,7 @@ def load_wheels(p: Record, s: Record, step: float) -> None:
         if some(deep > 0.0):
             deep = max(deep, 0.0)
             change += (p.bump_rate[i] + p.bump_progression[i] * deep) * deep
-        change += link_push(p, s, i) - held * p.static_load[i]
+        change += s.link_push[i] - held * p.static_load[i]
         # the wheel travels along the body's z axis, which leans with the body
         change += p.guide_lean * (roll * s.ground_force_y[i] - pitch * s.ground_force_x[i])
         change = max(change, -p.static_load[i])

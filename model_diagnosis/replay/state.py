@@ -78,6 +78,7 @@ _WHEELS = (
     "tyre_y",
     "ground_force_x",  # the same along and across the body
     "ground_force_y",
+    "link_push",  # by which links push the body up
     "aligning",
     "load",
     "travel",
