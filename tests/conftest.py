@@ -6,6 +6,7 @@ The fixture ``witnessed`` puts a line into the summary of the run: what an indep
 """
 
 import csv
+import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -17,6 +18,10 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from alone_on_the_machine import AloneOnTheMachine
 from order_of_modules import OrderOfModules
+
+# Before anything imports numpy: threads of OpenBLAS wait for each other busily. On two cores shared with another worker
+# the matrices of a diagnosis, a few hundred columns wide, take 2.7 times the processor time.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 TRACEABILITY = Path(__file__).resolve().parent.parent / "docs" / "traceability.csv"
 COLUMNS = ("id", "source_line", "test_node_id", "measured", "limit", "verdict")
