@@ -38,6 +38,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    # a shell without job control starts what runs in the background with the signal ignored
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     config.addinivalue_line("markers", "acceptance(*ids): ids of docs/traceability.csv that the test checks")
     config.pluginmanager.register(_TraceabilityWriter(config), "traceability-writer")
     config.pluginmanager.register(OrderOfModules(), "order-of-modules")
