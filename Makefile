@@ -23,10 +23,10 @@ $(RUNS): pyproject.toml
 	$(install) .
 	touch $@
 
-# exit code 3: this machine was too busy for real time, so that the run says nothing of the control unit
+# exit code 3: inconclusive, mostly since the machine was too busy for real time
 demo: $(RUNS)
 	$(BIN)/bench run friction/e4_abs_dry_95 || { [ $$? -eq 3 ] && \
-	echo "This machine did not keep the millisecond. The same stop in virtual time:" && \
+	echo "Inconclusive, as where a machine is too busy for real time. The same stop in virtual time:" && \
 	$(BIN)/bench run friction/e4_abs_dry_95 --lockstep; }
 
 test: $(STAMP)
