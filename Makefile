@@ -5,6 +5,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 RUNS := $(VENV)/.runs
+# where the environment forbids it to keep compiled modules, each of the many processes of the tests compiles all it imports
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test vcan lint benchmark nightly clean
 

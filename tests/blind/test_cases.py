@@ -4,6 +4,7 @@ import itertools
 import json
 from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,8 @@ from hidden_effects.families import CONFOUNDED, SHARES, Draw, Hidden, LookAlike,
 from hidden_effects.isolability import (
     EVIDENCE_NEEDED,
     RIVAL_SIZE,
+    FloatArray,
+    Point,
     detection_limit,
     effect_column,
     expected_evidence,
@@ -163,6 +166,13 @@ def test_of_a_pair_each_effect_shows_beside_the_other() -> None:
     assert all(case.shown(case.draw, hidden) > EVIDENCE_NEEDED for hidden in case.draw.effects)
 
 
+@cache
+def _nominal(missing: tuple[str, ...], manoeuvres: tuple[str, ...]) -> tuple[Point, FloatArray]:
+    """The nominal car in some manoeuvres, and what its scatter changes."""
+    point = nominal_point(missing, tuple(one for one in SIX if one.name in manoeuvres))
+    return point, scatter_columns(point)
+
+
 @pytest.mark.parametrize("pair", CONFOUNDED, ids=lambda pair: f"{pair.effect}-{pair.twin}")
 def test_what_is_meant_to_look_alike_does_so_by_theory(pair: LookAlike) -> None:
     """Beside the twin a tenth of the evidence is left at most, and data with a limit of their own show the effect.
@@ -170,8 +180,8 @@ def test_what_is_meant_to_look_alike_does_so_by_theory(pair: LookAlike) -> None:
     Pads and mass in gentle stops, where the pitch tells them apart, would keep two thirds.
     """
     # at the limit of adhesion a replay is not smooth, and equal effects look different
-    point = nominal_point(pair.missing, tuple(one for one in SIX if one.name in (pair.manoeuvres or _BELOW_THE_LIMIT)))
-    nuisance, effect, twin = scatter_columns(point), named(pair.effect), named(pair.twin)
+    point, nuisance = _nominal(pair.missing, pair.manoeuvres or _BELOW_THE_LIMIT)
+    effect, twin = named(pair.effect), named(pair.twin)
     own = effect_column(effect, 0, point)
     rival = RIVAL_SIZE * twin.largest * effect_column(twin, 0, point, own)
     assert expected_evidence(own, np.column_stack([nuisance, rival])) < 0.1 * expected_evidence(own, nuisance)
