@@ -7,16 +7,21 @@ diagnosis.
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bench.challenge.answering import logs_in
 from bench.challenge.generator import torque_courses
 from bench.challenge.hidden_law import LAW_NAME, Courses, with_hidden_law
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from model_diagnosis.evidence.base import Base
     from model_diagnosis.evidence.fitting import Fit
     from model_diagnosis.replay import Replay
+
+    FloatArray = NDArray[np.float64]
 
 GAINING_FAMILIES = ("single", "pair", "unknown")
 """Families whose hidden effects or law data of all manoeuvres shows."""
@@ -25,24 +30,37 @@ WORTH_MEASURING = 0.02
 """Share of the squared error that the true model takes away below which there is nothing to gain."""
 
 
+class HeldOutErrors(NamedTuple):
+    """Squared errors on held-out manoeuvres over those of the vehicle as given: of the refit, and of what is hidden."""
+
+    refit: float
+    truth: float
+
+    def share_reached(self, answered: float) -> float | None:
+        """Share of the possible gain that an answer with such an error reaches; None where nothing is to be gained."""
+        if 1.0 - self.truth / self.refit < WORTH_MEASURING:
+            return None
+        return (self.refit - answered) / (self.refit - self.truth)
+
+
 def gain_share(
     case: Path, label: Mapping[str, Any], diagnosis: Mapping[str, Any], drawn_with: Mapping[str, Any]
 ) -> float | None:
     """Share reached by an answer to a case of ``GAINING_FAMILIES``; None where nothing is to be gained.
 
-    ``drawn_with`` are seed, index, family and generator of the case.
+    ``drawn_with`` are seed, index, family and generator of the case. The refit is the same for the answer and what is
+    hidden: an answer has one of its own, with sensitivities where it then was.
     """
     courses = torque_courses(**drawn_with) if label["unknown"] is not None else None
-    true_ratio = _true_ratio(case, label, courses)
-    if true_ratio is None or 1.0 - true_ratio**2 < WORTH_MEASURING:
+    errors = _held_out_errors(case, label, courses)
+    if errors is None:
         return None
     gain = diagnosis.get("gain")
-    reached = gain["against_refit"]["ratio"] if gain is not None and gain.get("against_refit") else 1.0
-    return float((1.0 - reached**2) / (1.0 - true_ratio**2))
+    return errors.share_reached(errors.refit if gain is None else gain["overall"]["ratio"] ** 2)
 
 
-def _true_ratio(case: Path, label: Mapping[str, Any], courses: Courses | None) -> float | None:
-    """Held-out error with what is hidden over that of the refitted nominal car; None if the search lacks it."""
+def _held_out_errors(case: Path, label: Mapping[str, Any], courses: Courses | None) -> HeldOutErrors | None:
+    """What the nominal car and what is hidden leave once they are fitted; None if the search lacks it."""
     import numpy as np
 
     from model_diagnosis.evidence.car_numbers import refit_within_scatter
@@ -58,11 +76,15 @@ def _true_ratio(case: Path, label: Mapping[str, Any], courses: Courses | None) -
     if found is None:
         return None
     base, fit = found
-    neutral = np.zeros(len(base.problem.scale))
     refit = refit_within_scatter(base.problem, base.at_nothing, base.nothing.theta)
-    residuals = held_out_residuals(held_out, neutral, fit.theta, refit)
-    against_refit = measure_gain(residuals, noise_std(held_out)).against_refit
-    return None if against_refit is None else float(against_refit.ratio)
+    # "nothing" may be many scatters off where an effect is: sensitivities from where the refit is
+    refit = refit_within_scatter(base.problem, base.problem.linearise(refit), refit)
+
+    def left_by(theta: FloatArray) -> float:
+        residuals = held_out_residuals(held_out, np.zeros(len(theta)), theta)
+        return float(measure_gain(residuals, noise_std(held_out)).overall.ratio) ** 2
+
+    return HeldOutErrors(left_by(refit), left_by(fit.theta))
 
 
 def fit_of_truth(replay: "Replay", label: Mapping[str, Any]) -> "tuple[Base, Fit] | None":

@@ -9,7 +9,7 @@ import pytest
 
 from bench.challenge.generator import generate, torque_courses
 from bench.challenge.hidden_law import LAW_NAME, Courses
-from bench.challenge.true_gain import fit_of_truth, gain_share, replay_of
+from bench.challenge.true_gain import HeldOutErrors, fit_of_truth, gain_share, replay_of
 
 DRAWN_WITH: dict[str, Any] = {"seed": 10_007, "family": "unknown", "generator": "first"}  # a hysteresis
 MANOEUVRES = 6 + 2  # those for the search and those held out
@@ -49,6 +49,15 @@ def test_the_law_is_a_column_of_the_replay_behind_all_others(hidden: tuple[Path,
     assert not np.array_equal(replay.predict(theta, 0), plain.predict(theta[:-1], 0))
 
 
+def test_a_gain_is_measured_from_the_same_refit_for_the_answer_and_the_truth() -> None:
+    """By the definition, (E_refit - E_answer) / (E_refit - E_true)."""
+    errors = HeldOutErrors(refit=0.25, truth=0.05)
+    assert errors.share_reached(0.05) == pytest.approx(1.0)
+    assert errors.share_reached(0.08) == pytest.approx(0.85)
+    assert errors.share_reached(0.25) == 0.0
+    assert HeldOutErrors(refit=0.05, truth=0.0495).share_reached(0.0) is None  # 1 %: nothing to be gained
+
+
 @pytest.mark.nightly
 def test_the_true_law_is_fitted_with_the_size_that_is_hidden(hidden: tuple[Path, dict[str, Any], Courses]) -> None:
     case, label, courses = hidden
@@ -56,4 +65,10 @@ def test_the_true_law_is_fitted_with_the_size_that_is_hidden(hidden: tuple[Path,
     assert found is not None
     # a tenth: what is required of physical values
     assert found[1].theta[-1] == pytest.approx(1.0, abs=0.1)
-    assert gain_share(case, label, {"gain": None}, {"index": 0, **DRAWN_WITH}) == 0.0
+    drawn_with = {"index": 0, **DRAWN_WITH}
+    assert gain_share(case, label, {"gain": None}, drawn_with) == 0.0
+    # what leaves as much as the vehicle as given has lost what the refit gains, whatever it was compared with
+    as_given = {"gain": {"overall": {"ratio": 1.0}, "against_refit": {"ratio": 0.1}}}
+    share = gain_share(case, label, as_given, drawn_with)
+    assert share is not None
+    assert share < 0.0
