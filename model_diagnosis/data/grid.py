@@ -28,6 +28,8 @@ _SAME_PERIOD = 0.02
 
 _LONGEST_STEPS = 10
 _SAME_PHASE_S = 2e-4
+_ONE_PHASE = 0.9
+"""Length of the mean unit vector in direction of the phases from which all are the same: they scatter by 0.07 steps."""
 _STEADY_PHASE_S = 5e-4
 """Largest difference of a sample's phase from the others' in a manoeuvre."""
 
@@ -57,6 +59,16 @@ class OwnSamples:
         return middle if steady and abs(middle) > _SAME_PHASE_S else None
 
 
+def _common_phase(places: FloatArray) -> float:
+    """Phase that all samples at such places [steps] have, -0.5 to 0.5; 0 where it drifts.
+
+    Half a step behind the time base, rounding alone would put one sample to the instant before it and the next one to
+    the instant behind it.
+    """
+    mean = complex(np.mean(np.exp(2j * np.pi * places)))
+    return float(np.angle(mean)) / (2.0 * np.pi) if abs(mean) > _ONE_PHASE else 0.0
+
+
 def _own_samples(stamps: FloatArray, numbers: FloatArray, time: FloatArray, *, held: bool) -> OwnSamples | None:
     """Samples of a channel whose period is one or several steps of the time base; None for any other.
 
@@ -66,7 +78,8 @@ def _own_samples(stamps: FloatArray, numbers: FloatArray, time: FloatArray, *, h
     steps = round(period / SAMPLE_TIME_S)
     if not 1 <= steps <= _LONGEST_STEPS or abs(period / (steps * SAMPLE_TIME_S) - 1.0) > _SAME_PERIOD:
         return None
-    rows = np.round((stamps - time[0]) / SAMPLE_TIME_S).astype(np.int64)
+    places = (stamps - time[0]) / SAMPLE_TIME_S
+    rows = np.round(places - _common_phase(places)).astype(np.int64)
     inside = (rows >= 0) & (rows < len(time))
     if not inside.any() or np.any(np.diff(rows) <= 0):
         return None

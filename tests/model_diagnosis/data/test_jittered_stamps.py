@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model_diagnosis.data.grid import on_grid, steady_stamps
+from model_diagnosis.data.grid import on_grid, own_samples, steady_stamps
 from model_diagnosis.data.samples import Samples
 
 PERIOD_S = 0.01
@@ -59,3 +59,23 @@ def test_stamps_of_no_cyclic_sender_stay() -> None:
     table = PERIOD_S * np.arange(500)
     assert steady_stamps(events) is events
     assert steady_stamps(table) == pytest.approx(table, abs=1e-12)
+
+
+@pytest.mark.parametrize("phase_s", [-5e-3, -4.95e-3, 2e-3, 4.95e-3, 5e-3])
+def test_samples_stay_as_they_were_taken_whatever_their_phase(phase_s: float) -> None:
+    """Half a step off the time base too, where a jitter of 0.05 ms rounds one stamp down and the next one up.
+
+    White noise in, the same noise out: laid on straight lines half way between its samples it would lose half of its
+    variance, and a smoothing that knows its size from the differences would keep the rest.
+    """
+    random = np.random.default_rng(11)
+    time = PERIOD_S * np.arange(900)
+    noise = random.standard_normal(900)
+    stamps = time + phase_s + JITTER_S * random.standard_normal(900)
+    kept = own_samples({"brake_pressure_fl": channel("brake_pressure_fl", stamps, noise)}, time)["brake_pressure_fl"]
+    phase = kept.phase(0, 900)
+    assert phase is not None
+    assert abs(phase) == pytest.approx(abs(phase_s), abs=3e-5)  # half a step before is half a step behind
+    taken = kept.values[kept.weights > 0.0]
+    assert len(taken) >= 899  # one may lie off the ends
+    assert np.isin(taken, noise).all()
