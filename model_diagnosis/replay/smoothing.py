@@ -16,6 +16,7 @@ from scipy.stats import chi2
 
 from model_diagnosis.replay.broken_lines import LEAST_SAMPLES, broken_lines
 from model_diagnosis.replay.record import COASTING_NM
+from model_diagnosis.replay.turns import without_small_turns
 
 FloatArray = NDArray[np.float64]
 
@@ -113,7 +114,8 @@ def pressure_without_noise(values: FloatArray) -> FloatArray:
 @lru_cache(maxsize=_KEPT)
 def _quiet_pressure(samples: bytes) -> FloatArray:
     values = np.frombuffer(samples)
-    return without_traces(values, without_noise(values), noise_of(values))
+    noise = noise_of(values)
+    return without_traces(values, without_small_turns(without_noise(values), noise), noise)
 
 
 def without_traces(measured: FloatArray, pressure: FloatArray, noise: float) -> FloatArray:

@@ -1,6 +1,6 @@
 """What drives the replay: noise is taken out of it, flanks are not."""
 
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -8,6 +8,7 @@ from scipy.stats import norm
 
 from model_diagnosis.replay.broken_lines import broken_lines
 from model_diagnosis.replay.smoothing import noise_of, pressure_without_noise, without_noise
+from model_diagnosis.replay.turns import turning_points, without_small_turns
 
 NOISE = 3e4
 """A series pressure sensor's, Pa."""
@@ -116,3 +117,63 @@ def test_single_peaks_of_the_noise_are_no_pressure(seed: int) -> None:
     begun = pressure_without_noise(ramp + NOISE * rng.standard_normal(600))
     assert np.all(begun[ramp > 5.0 * NOISE + 3.0 * NOISE] > 0.0)
     assert abs(float(np.mean(begun[350:] - ramp[350:]))) < 0.2 * NOISE
+
+
+def held_back(pressure: np.ndarray, width: float) -> np.ndarray:
+    """Pressure that acts on the pads of a brake with hysteresis: it falls only beyond the width."""
+    acting = pressure.copy()
+    for k in range(1, len(acting)):
+        acting[k] = max(min(acting[k - 1], pressure[k] + width), pressure[k])
+    return acting
+
+
+def strokes(seed: int) -> np.ndarray:
+    """A pedal pressed, held, pressed harder and let go, each stroke in 0.3 to 0.9 s: as an s, without corners."""
+    rng = np.random.default_rng(seed)
+    levels, course = [0.0, 2e6, 4e6, 1.5e6, 5e6, 0.0], [np.zeros(50)]
+    for before, after in pairwise(levels):
+        rise = np.linspace(0.0, 1.0, int(rng.integers(30, 90)))
+        course += [
+            before + (after - before) * (3.0 * rise**2 - 2.0 * rise**3),
+            np.full(int(rng.integers(40, 120)), after),
+        ]
+    return np.concatenate(course)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_of_a_pressure_is_no_width_of_a_hysteresis(seed: int) -> None:
+    """Of 0.6 bar; what windows and lines leave of the noise on flanks adds 0.05 to 0.09 bar. 0.02 are allowed."""
+    true, width = strokes(seed), 6e4
+    measured = true + NOISE * np.random.default_rng(seed + 100).standard_normal(len(true))
+    wanted = held_back(true, width) - true
+    widths = np.linspace(0.0, 2e5, 201)
+
+    def seen(pressure: np.ndarray) -> float:
+        """Width with which this pressure holds a brake back as the true one does."""
+        errors = [np.sum((held_back(pressure, one) - pressure - wanted) ** 2) for one in widths]
+        return float(widths[int(np.argmin(errors))])
+
+    assert seen(pressure_without_noise(measured)) == pytest.approx(width, abs=2e3)
+
+
+def test_a_course_turns_where_it_goes_back_by_more_than_its_noise() -> None:
+    values = np.array([0.0, 2.0, 1.5, 4.0, 3.9, 8.0, 7.0, 3.0, 3.5, 1.0, 5.0])
+    assert list(turning_points(values, 2.0)) == [0, 5, 9, 10]
+    # means of what goes back in between: 2 and 1.5, 4 and 3.9, 3 and 3.5
+    pooled = without_small_turns(values, 2.0 / 3.0)
+    assert pooled == pytest.approx([0.0, 1.75, 1.75, 3.95, 3.95, 8.0, 7.0, 3.25, 3.25, 1.0, 5.0])
+
+
+def test_cycles_of_an_abs_stop_keep_their_peaks() -> None:
+    """Turns of bars, from sample to sample, are no noise."""
+    cycles = 4e6 + 1e6 * np.abs((np.arange(300) % 20) - 10) / 10.0
+    assert without_small_turns(cycles, NOISE) == pytest.approx(cycles, abs=1.0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_hold_ends_at_its_own_pressure(seed: int) -> None:
+    """And not at the highest of its samples, 2.4 standard deviations above it: of the mean 0.1 is left."""
+    rng = np.random.default_rng(seed)
+    true = np.concatenate([np.linspace(0.0, 3e6, 60), np.full(100, 3e6), np.linspace(3e6, 0.0, 60)])
+    course = without_small_turns(true + 5e3 * rng.standard_normal(len(true)), NOISE)
+    assert course.max() - 3e6 < 0.5 * 5e3
