@@ -138,25 +138,27 @@ def diagnose(
         raise InputError(
             "logs of a car and of a wheel on a rig in one diagnosis", mend="diagnose and hold out each kind for itself"
         )
-    faults, manoeuvres = check_data(manoeuvres, car, model)
-    if held_out:
-        _, held_out = check_data(held_out, car, model)
-    if hold_out_share:
-        manoeuvres, last = held_out_by_time(manoeuvres, hold_out_share)
-        held_out = [*held_out, *last]
-    if at_most_s is not None:
-        manoeuvres = liveliest(manoeuvres, at_most_s)
-    try:
-        replay = RigReplay(car, manoeuvres) if model is RigReplay else Replay(car, manoeuvres, conditions=True)
-    except InputError as error:
-        raise _with_faults(error, faults) from None
-    if not any(len(replay.signals(number)) for number in range(len(manoeuvres))):
-        raise InputError("no signal of these logs can be compared with a replay", mend="check the channel map")
-    other = model(car, held_out) if held_out else None
-    if isinstance(other, RigReplay) and other.columns != replay.columns:
-        raise InputError("the held-out wheel is of another axle", mend="diagnose and hold out wheels of the same axle")
     # replays share the processors already, and threads of the linear algebra that wait for more work take them away
     with threadpool_limits(1, user_api="blas"):
+        faults, manoeuvres = check_data(manoeuvres, car, model)
+        if held_out:
+            _, held_out = check_data(held_out, car, model)
+        if hold_out_share:
+            manoeuvres, last = held_out_by_time(manoeuvres, hold_out_share)
+            held_out = [*held_out, *last]
+        if at_most_s is not None:
+            manoeuvres = liveliest(manoeuvres, at_most_s)
+        try:
+            replay = RigReplay(car, manoeuvres) if model is RigReplay else Replay(car, manoeuvres, conditions=True)
+        except InputError as error:
+            raise _with_faults(error, faults) from None
+        if not any(len(replay.signals(number)) for number in range(len(manoeuvres))):
+            raise InputError("no signal of these logs can be compared with a replay", mend="check the channel map")
+        other = model(car, held_out) if held_out else None
+        if isinstance(other, RigReplay) and other.columns != replay.columns:
+            raise InputError(
+                "the held-out wheel is of another axle", mend="diagnose and hold out wheels of the same axle"
+            )
         return _Pipeline(car, replay, other, faults, logs, seed, clock).run()
 
 

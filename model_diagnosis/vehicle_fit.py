@@ -87,9 +87,9 @@ def fit_vehicle(
         If nothing of the data can be compared with a replay.
     """
     model = replay_class(manoeuvres)
-    faults, repaired = check_data(manoeuvres, vehicle, model)
-    replay = model(vehicle, repaired)
     with threadpool_limits(1, user_api="blas"):  # replays share the processors already
+        faults, repaired = check_data(manoeuvres, vehicle, model)
+        replay = model(vehicle, repaired)
         base = fit_base(replay, Priors.of(replay.parameters, in_common=False), progress)
     problem, theta = base.problem, base.nothing.theta
     quadratic = problem.quadratic(base.at_nothing, problem.rows(theta), theta)
