@@ -56,9 +56,13 @@ def in_workers(function: Callable[..., None], tasks: Sequence[tuple[Any, ...]], 
         workers = min(jobs, len(numbers))
         with ProcessPoolExecutor(workers, get_context("spawn"), initializer=initialise, initargs=("",)) as pool:
             futures = {pool.submit(function, *tasks[number]): number for number in numbers}
-            for future in as_completed(futures):
-                future.result()
-                yield futures[future]
+            try:
+                for future in as_completed(futures):
+                    future.result()
+                    yield futures[future]
+            except BaseException:
+                pool.shutdown(cancel_futures=True)  # an error is told now, not when all other tasks are done
+                raise
 
 
 def answer_all(

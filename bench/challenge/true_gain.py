@@ -80,7 +80,7 @@ def _held_out_errors(case: Path, label: Mapping[str, Any], courses: Courses | No
     # "nothing" may be many scatters off where an effect is: sensitivities from where the refit is
     refit = refit_within_scatter(base.problem, base.problem.linearise(refit), refit)
 
-    def left_by(theta: FloatArray) -> float:
+    def left_by(theta: "FloatArray") -> float:
         residuals = held_out_residuals(held_out, np.zeros(len(theta)), theta)
         return float(measure_gain(residuals, noise_std(held_out)).overall.ratio) ** 2
 
