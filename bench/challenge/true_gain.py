@@ -14,14 +14,9 @@ from bench.challenge.generator import torque_courses
 from bench.challenge.hidden_law import LAW_NAME, Courses, with_hidden_law
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from model_diagnosis.evidence.base import Base
     from model_diagnosis.evidence.fitting import Fit
     from model_diagnosis.replay import Replay
-
-    FloatArray = NDArray[np.float64]
 
 GAINING_FAMILIES = ("single", "pair", "unknown")
 """Families whose hidden effects or law data of all manoeuvres shows."""
@@ -48,8 +43,8 @@ def gain_share(
 ) -> float | None:
     """Share reached by an answer to a case of ``GAINING_FAMILIES``; None where nothing is to be gained.
 
-    ``drawn_with`` are seed, index, family and generator of the case. The refit is the same for the answer and what is
-    hidden: an answer has one of its own, with sensitivities where it then was.
+    ``drawn_with`` are seed, index, family and generator of the case. Answer and truth are compared with one refit; that
+    of the diagnosis, with sensitivities taken at its answer, is another one and depends on the answer.
     """
     courses = torque_courses(**drawn_with) if label["unknown"] is not None else None
     errors = _held_out_errors(case, label, courses)
@@ -79,12 +74,11 @@ def _held_out_errors(case: Path, label: Mapping[str, Any], courses: Courses | No
     refit = refit_within_scatter(base.problem, base.at_nothing, base.nothing.theta)
     # "nothing" may be many scatters off where an effect is: sensitivities from where the refit is
     refit = refit_within_scatter(base.problem, base.problem.linearise(refit), refit)
-
-    def left_by(theta: "FloatArray") -> float:
-        residuals = held_out_residuals(held_out, np.zeros(len(theta)), theta)
-        return float(measure_gain(residuals, noise_std(held_out)).overall.ratio) ** 2
-
-    return HeldOutErrors(left_by(refit), left_by(fit.theta))
+    as_given, noise = np.zeros(len(refit)), noise_std(held_out)
+    ratios = (
+        measure_gain(held_out_residuals(held_out, as_given, theta), noise).overall.ratio for theta in (refit, fit.theta)
+    )
+    return HeldOutErrors(*(float(ratio) ** 2 for ratio in ratios))
 
 
 def fit_of_truth(replay: "Replay", label: Mapping[str, Any]) -> "tuple[Base, Fit] | None":

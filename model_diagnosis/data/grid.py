@@ -55,8 +55,12 @@ class OwnSamples:
         if not len(offsets):
             return None
         middle = float(np.median(offsets))
-        steady = float(np.max(np.abs(offsets - middle))) < _STEADY_PHASE_S and abs(middle) <= 0.5 * SAMPLE_TIME_S
-        return middle if steady and abs(middle) > _SAME_PHASE_S else None
+        if np.max(np.abs(offsets - middle)) >= _STEADY_PHASE_S or abs(middle) > 0.5 * SAMPLE_TIME_S + _SAME_PHASE_S:
+            return None
+        # the median of the jitter may lie beyond half a step where the mean does not
+        return (
+            float(np.clip(middle, -0.5 * SAMPLE_TIME_S, 0.5 * SAMPLE_TIME_S)) if abs(middle) > _SAME_PHASE_S else None
+        )
 
 
 def _common_phase(places: FloatArray) -> float:

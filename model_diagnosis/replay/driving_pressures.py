@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from model_diagnosis.effects.effect import EffectParameter
 from model_diagnosis.huber import huber_loss, huber_weights
-from model_diagnosis.replay.smoothing import noise_of, without_noise, without_traces
-from model_diagnosis.replay.turns import without_small_turns
+from model_diagnosis.replay.smoothing import as_pressure, noise_of, without_noise
 
 FloatArray = NDArray[np.float64]
 
@@ -91,6 +90,4 @@ def driving_pressures(measured: FloatArray, by_unit: FloatArray, valid: FloatArr
     lacking = np.stack([without_noise(part) for part in lacking.T], axis=1) @ _PARTS
     places = np.arange(len(known))
     course = by_unit + np.stack([np.interp(places, places[known], one) for one in lacking.T], axis=1)
-    noise = [noise_of(column) for column in measured.T]
-    turning = [without_small_turns(course[:, i], noise[i]) for i in range(4)]
-    return np.stack([without_traces(measured[:, i], turning[i], noise[i]) for i in range(4)], axis=1)
+    return np.stack([as_pressure(measured[:, i], course[:, i], noise_of(measured[:, i])) for i in range(4)], axis=1)

@@ -114,12 +114,13 @@ def pressure_without_noise(values: FloatArray) -> FloatArray:
 @lru_cache(maxsize=_KEPT)
 def _quiet_pressure(samples: bytes) -> FloatArray:
     values = np.frombuffer(samples)
-    noise = noise_of(values)
-    return without_traces(values, without_small_turns(without_noise(values), noise), noise)
+    return as_pressure(values, without_noise(values), noise_of(values))
 
 
-def without_traces(measured: FloatArray, pressure: FloatArray, noise: float) -> FloatArray:
-    """Pressure (n,) that is exactly 0 where a measured one is not told from its noise."""
+def as_pressure(measured: FloatArray, course: FloatArray, noise: float) -> FloatArray:
+    """Course (n,) that turns only beyond the noise of a measured pressure, and is exactly 0 where that one is not told
+    from its noise."""
+    pressure = without_small_turns(course, noise)
     resting = median_filter(measured, 2 * HALF_WIDTHS[-1] + 1, mode="reflect") < _LARGEST_MEDIAN * noise
     traces = (pressure < _LEAST_PRESSURE * noise) | (resting & (measured < _LARGEST_PEAK * noise))
     return np.where(traces, 0.0, pressure)

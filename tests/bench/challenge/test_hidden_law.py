@@ -67,7 +67,7 @@ def test_the_true_law_is_fitted_with_the_size_that_is_hidden(hidden: tuple[Path,
     assert found[1].theta[-1] == pytest.approx(1.0, abs=0.1)
     drawn_with = {"index": 0, **DRAWN_WITH}
     assert gain_share(case, label, {"gain": None}, drawn_with) == 0.0
-    # what leaves as much as the vehicle as given has lost what the refit gains, whatever it was compared with
+    # an error as large as that of the vehicle as given is larger than the refit's, whatever the answer compares it with
     as_given = {"gain": {"overall": {"ratio": 1.0}, "against_refit": {"ratio": 0.1}}}
     share = gain_share(case, label, as_given, drawn_with)
     assert share is not None
