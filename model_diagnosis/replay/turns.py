@@ -14,8 +14,8 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 TURN_STDS = 3.0
-"""Standard deviations of the noise from which a way back is a turn: samples of a flank keep all of it, and 3 of 100 pairs
-differ by more."""
+"""Standard deviations of the noise from which a way back is a turn: samples of a flank keep all of it, and 3 of 100
+pairs differ by more."""
 
 
 def without_small_turns(values: FloatArray, noise: float) -> FloatArray:
