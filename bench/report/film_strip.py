@@ -22,6 +22,7 @@ _FAST_M_S = 0.5
 _LOCKED, _BRAKING = -0.8, -0.05
 _DEFAULT_CAR = (4.3, 1.7, 2.6)  # length, width, wheelbase: where the vehicle file is not at hand
 _JPEG_QUALITY = 82
+NO_BREAK_SPACE = "\N{NO-BREAK SPACE}"
 
 
 @dataclass(frozen=True)
@@ -135,9 +136,11 @@ def strip_of(run: RunData, *, render: bool = False) -> list[tuple[Markup, str]]:
 
 
 def caption(frame: Frame) -> str:
-    """Time, speed, deceleration."""
-    text = f"{frame.time_s:.2f} s · {abs(3.6 * frame.speed_m_s):.0f} km/h"
-    return f"{text} · {frame.deceleration_m_s2:.1f} m/s²" if frame.deceleration_m_s2 > 0.5 else text
+    """Time, speed, deceleration; a line ends between them, never between a number and its unit."""
+    quantities = [f"{frame.time_s:.2f} s", f"{abs(3.6 * frame.speed_m_s):.0f} km/h"]
+    if frame.deceleration_m_s2 > 0.5:
+        quantities.append(f"{frame.deceleration_m_s2:.1f} m/s²")
+    return " · ".join(quantity.replace(" ", NO_BREAK_SPACE) for quantity in quantities)
 
 
 def _picture(frame: Frame, size: tuple[float, float, float]) -> Markup:

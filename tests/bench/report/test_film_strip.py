@@ -38,8 +38,9 @@ def test_frames_are_spread_over_the_stop_and_say_what_the_car_does(tmp_path: Pat
     assert [frame.time_s for frame in frames] == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0])
     assert [frame.speed_m_s for frame in frames] == pytest.approx([16.0, 12.0, 8.0, 4.0, 0.0])
     assert frames[2].offset_m == pytest.approx(0.25)
-    assert caption(frames[2]) == "1.00 s · 29 km/h · 8.0 m/s²"
-    assert caption(frames[4]) == "2.00 s · 0 km/h"  # a car that stands does not decelerate
+    assert caption(frames[2]) == "1.00\N{NO-BREAK SPACE}s · 29\N{NO-BREAK SPACE}km/h · 8.0\N{NO-BREAK SPACE}m/s²"
+    # a car that stands does not decelerate
+    assert caption(frames[4]) == "2.00\N{NO-BREAK SPACE}s · 0\N{NO-BREAK SPACE}km/h"
 
 
 def test_wheels_are_coloured_by_their_slip(tmp_path: Path) -> None:
