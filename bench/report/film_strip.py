@@ -22,7 +22,7 @@ _FAST_M_S = 0.5
 _LOCKED, _BRAKING = -0.8, -0.05
 _DEFAULT_CAR = (4.3, 1.7, 2.6)  # length, width, wheelbase: where the vehicle file is not at hand
 _JPEG_QUALITY = 82
-NO_BREAK_SPACE = "\N{NO-BREAK SPACE}"
+_NO_BREAK_SPACE = "\N{NO-BREAK SPACE}"
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def caption(frame: Frame) -> str:
     quantities = [f"{frame.time_s:.2f} s", f"{abs(3.6 * frame.speed_m_s):.0f} km/h"]
     if frame.deceleration_m_s2 > 0.5:
         quantities.append(f"{frame.deceleration_m_s2:.1f} m/s²")
-    return " · ".join(quantity.replace(" ", NO_BREAK_SPACE) for quantity in quantities)
+    return " · ".join(quantity.replace(" ", _NO_BREAK_SPACE) for quantity in quantities)
 
 
 def _picture(frame: Frame, size: tuple[float, float, float]) -> Markup:
