@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from model_diagnosis.data import check_data, read_manoeuvres
-from model_diagnosis.data.holding_out import held_out_by_time
+from model_diagnosis.data.holding_out import check_held_out, held_out_by_time
 from model_diagnosis.data.liveliest import liveliest
 from model_diagnosis.discovery.unknown import MARGIN, FoundUnknown, weigh_unknown
 from model_diagnosis.effects.catalogue import effect as find_effect
@@ -142,7 +142,7 @@ def diagnose(
     with threadpool_limits(1, user_api="blas"):
         faults, manoeuvres = check_data(manoeuvres, car, model)
         if held_out:
-            _, held_out = check_data(held_out, car, model)
+            held_out = check_held_out(held_out, faults, car, model)
         if hold_out_share:
             manoeuvres, last = held_out_by_time(manoeuvres, hold_out_share)
             held_out = [*held_out, *last]

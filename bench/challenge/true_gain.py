@@ -64,7 +64,7 @@ def _held_out_errors(case: Path, label: Mapping[str, Any], courses: Courses | No
     from signals.errors import BenchError
 
     try:
-        replay, held_out = (replay_of(case, folder, courses) for folder in ("logs", "held_out"))
+        replay, held_out = replays_of(case, courses)
     except BenchError:
         return None
     found = fit_of_truth(replay, label)
@@ -103,14 +103,16 @@ def fit_of_truth(replay: "Replay", label: Mapping[str, Any]) -> "tuple[Base, Fit
     return base, search.fit_set(true, fresh, fit.theta)
 
 
-def replay_of(case: Path, folder: str, courses: Courses | None) -> "Replay":
-    """Replay of a folder's logs, with the hidden law where its courses are given."""
+def replays_of(case: Path, courses: Courses | None) -> "tuple[Replay, Replay]":
+    """Replays of a case's logs and of its held-out ones, with the hidden law where its courses are given."""
     from model_diagnosis.data import check_data, read_manoeuvres
+    from model_diagnosis.data.holding_out import check_held_out
     from model_diagnosis.replay import Replay
     from signals.measured import load_channel_map
     from vehicle_model import load_vehicle
 
     vehicle, channels = load_vehicle(case / "vehicle.yaml"), load_channel_map(case / "channels.yaml")
-    _, manoeuvres = check_data(read_manoeuvres(logs_in(case / folder), channels, vehicle), vehicle, Replay)
-    replay = Replay(vehicle, manoeuvres)
-    return replay if courses is None else with_hidden_law(replay, courses)
+    searched, held_out = (read_manoeuvres(logs_in(case / folder), channels, vehicle) for folder in ("logs", "held_out"))
+    faults, searched = check_data(searched, vehicle, Replay)
+    both = Replay(vehicle, searched), Replay(vehicle, check_held_out(held_out, faults, vehicle, Replay))
+    return both if courses is None else (with_hidden_law(both[0], courses), with_hidden_law(both[1], courses))

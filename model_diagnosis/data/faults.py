@@ -6,6 +6,7 @@ from model_diagnosis.result import DataFault
 
 _ROUTINE = ("missing_channel", "can_jitter", "duplicate_samples", "clock_offset", "clock_drift")
 """Kinds that are part of ordinary measuring once they are repaired or said."""
+_BETWEEN = ", "
 
 
 def decides(fault: DataFault) -> bool:
@@ -15,7 +16,12 @@ def decides(fault: DataFault) -> bool:
 
 def joined(channels: Sequence[str]) -> str:
     """Channels of one fault in one text."""
-    return ", ".join(channels)
+    return _BETWEEN.join(channels)
+
+
+def parted(channels: str) -> list[str]:
+    """Channels of a text by ``joined``."""
+    return channels.split(_BETWEEN)
 
 
 def distinct(faults: Iterable[DataFault]) -> list[DataFault]:

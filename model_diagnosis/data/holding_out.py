@@ -1,12 +1,52 @@
-"""The last part of each drive kept apart: what is found in the first part is measured on it."""
+"""What takes no part in the search: drives held out, or the last part of each; what is found is measured on it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 
+from model_diagnosis.data.checks import ReplayFactory, check_data
+from model_diagnosis.data.delay_checks import shifted
+from model_diagnosis.data.faults import parted
 from model_diagnosis.data.segmentation import SHORTEST_S
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from model_diagnosis.result import DataFault
 from signals.errors import InputError
+from vehicle_model.vehicle_file import VehicleFile
+
+_SAME_LAG_S = 0.05
+"""Lags of the held-out drives and of the searched ones that differ by less are one: loggers that were started anew are
+this near to what they were before by chance only, and a few drives mistake what the car lacks for a lag of 30 ms."""
+_DELAYS = ("clock_offset", "can_latency", "channel_delay", "wheel_speed_delay")
+"""Kinds of faults that a shift repairs."""
+
+
+def check_held_out(
+    held_out: Sequence[Manoeuvre],
+    searched: Iterable[DataFault],
+    vehicle: VehicleFile,
+    replay: ReplayFactory | None = None,
+) -> list[Manoeuvre]:
+    """Held-out manoeuvres repaired as ``check_data`` does, with the lags of the searched ones where they may be those.
+
+    Parameters
+    ----------
+    searched : faults of the searched manoeuvres, which are more and tell a lag better
+    replay : as of ``check_data``
+    """
+    faults, repaired = check_data(held_out, vehicle, replay)
+    here, there = _delays(faults), _delays(searched)
+    for channels in dict.fromkeys((*here, *there)):
+        own, known = here.get(channels, 0.0), there.get(channels, 0.0)
+        if abs(own - known) < _SAME_LAG_S:
+            # as whole samples, like the shifts that are taken back
+            back = round(known / SAMPLE_TIME_S) - round(own / SAMPLE_TIME_S)
+            repaired = [shifted(one, parted(channels), back * SAMPLE_TIME_S) for one in repaired]
+    return repaired
+
+
+def _delays(faults: Iterable[DataFault]) -> Mapping[str, float]:
+    """Channels of a fault -> how late they were."""
+    return {one.channel: one.value for one in faults if one.kind in _DELAYS and one.value is not None and one.repaired}
 
 
 def held_out_by_time(manoeuvres: Sequence[Manoeuvre], share: float) -> tuple[list[Manoeuvre], list[Manoeuvre]]:

@@ -107,10 +107,11 @@ class CourseMaker:
 
 def _product(candidate: Candidate, variables: Variables, m: int) -> FloatArray:
     """All shapes but a sine, (n,) of the car or (n, 4) of the wheels."""
-    value = np.ones(len(variables[candidate.shapes[0].variable].values[m]))
+    first = variables[candidate.shapes[0].variable]
+    value = np.ones(len(first.course(np.asarray, m)))
     for shape in candidate.shapes:
         if shape.function != "sine":
-            value = _times(value, shape.of(variables[shape.variable].values[m]))
+            value = _times(value, variables[shape.variable].course(shape.of, m))
     return value
 
 

@@ -9,13 +9,14 @@ from scipy.signal import savgol_filter
 
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S
 from model_diagnosis.replay.replay import Replay
+from model_diagnosis.replay.state import SUBSTEPS
 from signals.wheels import WHEELS
 
 FloatArray = NDArray[np.float64]
 Series = tuple[FloatArray, ...]
 """One array per manoeuvre: (n,) of the car, or (n, 4) of the wheels."""
 
-_SMOOTHING, _RATE_WINDOW = 7, 5
+_SMOOTHING = 7
 """Samples."""
 
 
@@ -26,12 +27,20 @@ class Variable:
     Attributes
     ----------
     name : as the plant's terms know it
-    values : (n,) of the car or (n, 4) of the wheels, of each manoeuvre
+    values : (n,) of the car or (n, 4) of the wheels, of each manoeuvre; ``per_sample`` rows of each sample, one after
+        the other
     """
 
     name: str
     unit: str
     values: Series
+    per_sample: int = 1
+
+    def course(self, function: Callable[[FloatArray], FloatArray], m: int) -> FloatArray:
+        """A function of it at the samples of a manoeuvre, (n,) or (n, 4): its mean about each, not that of the mean."""
+        values = function(self.values[m])
+        mean: FloatArray = values.reshape(-1, self.per_sample, *values.shape[1:]).mean(axis=1)
+        return mean
 
     @property
     def of_wheels(self) -> bool:
@@ -66,18 +75,6 @@ class _Drive:
         """A measured channel, zeros where the log lacks it."""
         return self.channels.get(name, np.zeros(len(self.states["speed"])))
 
-    def channel_of_wheels(self, name: str) -> FloatArray:
-        """A measured channel of each wheel, (n, 4)."""
-        return np.stack([self.channel(f"{name}_{wheel}") for wheel in WHEELS], axis=1)
-
-    def pressure_rate(self) -> FloatArray:
-        """Change of the wheel pressures [Pa/s] by a straight line over 50 ms."""
-        pressures = self.channel_of_wheels("brake_pressure")
-        if len(pressures) < _RATE_WINDOW:
-            return np.zeros_like(pressures)
-        rate: FloatArray = savgol_filter(pressures, _RATE_WINDOW, 1, deriv=1, delta=SAMPLE_TIME_S, axis=0)
-        return rate
-
 
 _VARIABLES: tuple[tuple[str, str, Callable[[_Drive], FloatArray]], ...] = (
     ("speed", "m/s", lambda one: one.states["speed"]),
@@ -85,23 +82,35 @@ _VARIABLES: tuple[tuple[str, str, Callable[[_Drive], FloatArray]], ...] = (
     ("lateral_acceleration", "m/s^2", lambda one: one.channel("lateral_acceleration")),
     ("longitudinal_acceleration", "m/s^2", lambda one: one.channel("longitudinal_acceleration")),
     ("steering_wheel_angle", "rad", lambda one: one.channel("steering_wheel_angle")),
-    ("brake_pressure", "Pa", lambda one: one.channel_of_wheels("brake_pressure")),
     ("brake_disc_temperature", "degC", lambda one: one.state("brake_disc_temperature")),
     ("vertical_load", "N", lambda one: one.state("vertical_load")),
     ("slip_angle", "rad", lambda one: one.state("slip_angle")),
     ("slip_ratio", "1", lambda one: one.state("slip_ratio")),
-    ("brake_pressure_rate", "Pa/s", _Drive.pressure_rate),
 )
 
 
 def variables_of(replay: Replay, theta: FloatArray) -> dict[str, Variable]:
     """Every variable that varies, of all manoeuvres of a replay at deviations theta (p,)."""
-    drives = [
-        _Drive(replay.states(theta, m), dict(manoeuvre.on_one_raster().channels))
-        for m, manoeuvre in enumerate(replay.manoeuvres)
-    ]
+    count = range(len(replay.manoeuvres))
+    drives = [_Drive(replay.states(theta, m), dict(replay.manoeuvres[m].on_one_raster().channels)) for m in count]
     found = [Variable(name, unit, tuple(_smoothed(of(drive)) for drive in drives)) for name, unit, of in _VARIABLES]
+    at_samples, before = zip(*(replay.driving_pressures(theta, m) for m in count), strict=True)
+    found.append(Variable("brake_pressure", "Pa", at_samples))
+    found.append(Variable("brake_pressure_rate", "Pa/s", tuple(map(_rates, before)), SUBSTEPS))
     return {one.name: one for one in found if one.span[1] > one.span[0]}
+
+
+def _rates(before: FloatArray) -> FloatArray:
+    """Rates (n · SUBSTEPS, 4) [Pa/s] in the car's steps about each sample, from pressures (n, SUBSTEPS, 4) before it.
+
+    Valves turn pressures round within a sample. They take some ms to open and to close, which a unit that knows their
+    dead times only lacks: each rate is the mean of three steps.
+    """
+    half = SUBSTEPS // 2
+    course = before.reshape(-1, before.shape[2])
+    course = np.concatenate([course, np.repeat(course[-1:], half + 2, axis=0)])
+    rates: FloatArray = (course[half + 2 :] - course[half - 1 : -3]) / (3.0 * SAMPLE_TIME_S / SUBSTEPS)
+    return rates
 
 
 def _smoothed(values: FloatArray) -> FloatArray:

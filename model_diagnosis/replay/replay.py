@@ -31,9 +31,10 @@ from model_diagnosis.replay.nominal import nominal_car
 from model_diagnosis.replay.parameters import values_of
 from model_diagnosis.replay.parts import Key, Parts, selected, without
 from model_diagnosis.replay.prepared import PRESSURES, Prepared, prepare
-from model_diagnosis.replay.record import OUTPUTS, SHOWN_STATES
+from model_diagnosis.replay.record import INPUT_PRESSURE, OUTPUTS, SHOWN_STATES
 from model_diagnosis.replay.sensors import own_noise
 from model_diagnosis.replay.side_by_side_cars import CarRun, run_four, run_one, together
+from model_diagnosis.replay.state import SUBSTEPS
 from model_diagnosis.replay.sums import BrakeGains, sums_of
 from model_diagnosis.replay.sweep import sweep
 from model_diagnosis.replay.terms import TermCourse, with_terms
@@ -186,6 +187,22 @@ class Replay(ReplayBase):
         pressures = self.pressures.at(deviations, prepared)
         values = self.car_outputs(deviations, prepared, pressures, self.gains, 0, chosen)
         return {name: values[:, k] for k, name in enumerate(SHOWN_STATES)}
+
+    def driving_pressures(self, theta: FloatArray, m: int) -> tuple[FloatArray, FloatArray]:
+        """Wheel pressures [Pa] that drive the car, less their sensors' noise.
+
+        (n, 4) at the samples, and (n, SUBSTEPS, 4) in the middle of the car's steps before each of them. Measured ones
+        are as they were read: what a brake leads a late sensor by has slopes where pressures are held.
+        """
+        prepared, inputs = self.prepared[m], self.prepared[m].inputs.values
+        if not prepared.pressure_known:
+            deviations = self.deviations_at(theta, m)
+            inputs = self.inputs_at(deviations, prepared, self.pressures.at(deviations, prepared))
+        pressures = inputs[:, INPUT_PRESSURE : INPUT_PRESSURE + len(WHEELS)]
+        before = np.concatenate([pressures[:1], pressures[:-1]])[:, None]
+        share = ((np.arange(SUBSTEPS) + 0.5) / SUBSTEPS)[:, None]
+        line = before + share * (pressures[:, None] - before)
+        return pressures, np.maximum(line + prepared.between, 0.0)
 
     def sensitivities(self, theta: FloatArray, columns: Sequence[int] | None = None) -> list[FloatArray]:
         """Derivatives of the prediction by the deviations, (n, c, len(columns)) of each manoeuvre.

@@ -38,7 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
         one.add_argument("--family", choices=FAMILIES)
         one.add_argument("--generator", choices=tuple(GENERATORS), default="first")
     commands.add_parser("limits", help="sizes from which the shipped manoeuvres show each effect, by theory")
-    commands.add_parser("effects", help="effects that can be hidden, with the units of their values")
+    commands.add_parser("effects", help="effects that can be hidden: units, largest deviations")
     given = parser.parse_args(arguments)
     called = {
         "cases": _cases,
@@ -97,7 +97,13 @@ def _limits(given: argparse.Namespace) -> int:
 
 
 def _effects(given: argparse.Namespace) -> int:
-    facts = [{"name": one.name, "unit": one.unit, "relative": one.relative, "places": one.places} for one in EFFECTS]
+    facts = [
+        {
+            **{name: getattr(one, name) for name in ("name", "unit", "relative", "places")},
+            "extremes": [sign * one.largest * one.scatter for sign in one.signs],
+        }
+        for one in EFFECTS
+    ]
     print(json.dumps(facts))
     return 0
 

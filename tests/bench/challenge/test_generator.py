@@ -76,6 +76,21 @@ def test_values_of_hidden_effects_are_in_the_units_of_the_catalogues(cases: list
     assert {one["name"] for one in hidden} - scored == {"disc_thickness_variation"}
 
 
+def test_the_catalogues_bounds_hold_what_is_hidden() -> None:
+    """A cause at the end of its range leaves a rest that another one beside it explains."""
+    printed = subprocess.run([sys.executable, str(generator_program()), "effects"], capture_output=True, check=True)
+    factors = [one for one in json.loads(printed.stdout) if one["relative"]]
+    outside = [
+        (one["name"], extreme)
+        for one in factors
+        for parameter in find_effect(one["name"]).parameters
+        for extreme in one["extremes"]
+        if parameter.relative and not parameter.low < extreme < parameter.high
+    ]
+    assert len(factors) > 15
+    assert outside == []
+
+
 def test_every_stated_scatter_belongs_to_a_number_of_the_file(cases: list[Path]) -> None:
     vehicle = load_vehicle(cases[0] / "vehicle.yaml")
     assert set(vehicle.scatter) <= set(vehicle.numbers())

@@ -4,10 +4,14 @@ import kinematic_car as car
 import numpy as np
 import pytest
 
-from model_diagnosis.data import read_manoeuvres
-from model_diagnosis.data.holding_out import held_out_by_time
+from model_diagnosis.data import holding_out, read_manoeuvres
+from model_diagnosis.data.delay_checks import shifted
+from model_diagnosis.data.holding_out import check_held_out, held_out_by_time
 from model_diagnosis.data.liveliest import liveliest, liveliness
+from model_diagnosis.result import DataFault
 from signals.errors import InputError
+
+LATE = DataFault(kind="clock_offset", channel="speed", unit="s", repaired=True, message="speed is late")
 
 
 @pytest.fixture
@@ -72,3 +76,26 @@ def test_the_liveliest_manoeuvres_are_searched_in_their_order(tmp_path, vehicle,
     assert len(liveliest(manoeuvres, 5.0)) == 1  # never nothing
     with pytest.raises(InputError, match="above 0 s"):
         liveliest(manoeuvres, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("here_s", "there_s", "shift"),
+    [(0.036, None, 0), (0.201, 0.183, 18), (None, 0.04, 4), (0.2, None, 20), (0.05, 0.28, 5)],
+)
+def test_held_out_drives_have_the_lag_of_the_others_unless_it_is_another(
+    two_drives, monkeypatch, here_s, there_s, shift
+):
+    """``here_s`` is what the held-out drives tell alone, ``there_s`` what the others do; 50 ms tell them apart."""
+
+    def late(delay_s):
+        return [] if delay_s is None else [LATE.model_copy(update={"value": delay_s})]
+
+    def repaired(manoeuvres, *_):
+        return late(here_s), [shifted(one, ["speed"], here_s or 0.0) for one in manoeuvres]
+
+    monkeypatch.setattr(holding_out, "check_data", repaired)
+    (first, *_) = check_held_out(two_drives, late(there_s), vehicle=None)
+    middle = slice(100, -100)
+    moved = np.roll(two_drives[0].channels["speed"], -shift)
+    np.testing.assert_array_equal(first.channels["speed"][middle], moved[middle])
+    np.testing.assert_array_equal(first.channels["yaw_rate"], two_drives[0].channels["yaw_rate"])
