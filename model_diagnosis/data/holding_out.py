@@ -4,9 +4,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 
-from model_diagnosis.data.checks import ReplayFactory, check_data
+from model_diagnosis.data.checks import check_data
 from model_diagnosis.data.delay_checks import shifted
 from model_diagnosis.data.faults import parted
+from model_diagnosis.data.replayed import ReplayFactory
 from model_diagnosis.data.segmentation import SHORTEST_S
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
