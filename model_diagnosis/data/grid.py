@@ -54,13 +54,13 @@ class OwnSamples:
         offsets = offsets[np.isfinite(offsets)]
         if not len(offsets):
             return None
-        middle = float(np.median(offsets))
-        if np.max(np.abs(offsets - middle)) >= _STEADY_PHASE_S or abs(middle) > 0.5 * SAMPLE_TIME_S + _SAME_PHASE_S:
+        middle, half = float(np.median(offsets)), 0.5 * SAMPLE_TIME_S
+        if np.max(np.abs(offsets - middle)) >= _STEADY_PHASE_S:
+            return None
+        if not _SAME_PHASE_S < abs(middle) <= half + _SAME_PHASE_S:
             return None
         # the median of the jitter may lie beyond half a step where the mean does not
-        return (
-            float(np.clip(middle, -0.5 * SAMPLE_TIME_S, 0.5 * SAMPLE_TIME_S)) if abs(middle) > _SAME_PHASE_S else None
-        )
+        return float(np.clip(middle, -half, half))
 
 
 def _common_phase(places: FloatArray) -> float:

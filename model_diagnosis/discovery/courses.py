@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,12 +107,11 @@ class CourseMaker:
 
 def _product(candidate: Candidate, variables: Variables, m: int) -> FloatArray:
     """All shapes but a sine, (n,) of the car or (n, 4) of the wheels."""
-    first = variables[candidate.shapes[0].variable]
-    value = np.ones(len(first.course(np.asarray, m)))
-    for shape in candidate.shapes:
-        if shape.function != "sine":
-            value = _times(value, variables[shape.variable].course(shape.of, m))
-    return value
+    courses = [
+        variables[shape.variable].course(np.ones_like if shape.function == "sine" else shape.of, m)
+        for shape in candidate.shapes
+    ]
+    return reduce(_times, courses)
 
 
 def _times(one: FloatArray, other: FloatArray) -> FloatArray:

@@ -18,7 +18,7 @@ AERODYNAMICS_EFFECTS: tuple[Effect, ...] = (
     _air(
         name="aero_drag",
         equation="F = rho/2 c_d (1 + d) A v^2",
-        parameters=(EffectParameter("factor", "1", -0.9, 1.5, 0.03, 0.3, "aerodynamics.drag_coefficient"),),
+        parameters=(EffectParameter("factor", "1", -0.8, 1.5, 0.03, 0.3, "aerodynamics.drag_coefficient"),),
         signals=("longitudinal_acceleration", "speed"),
         confounded_with=("head_wind", "rolling_resistance", "mass_change"),
         separating_manoeuvre="coast-down in both directions",

@@ -20,7 +20,7 @@ BODY_EFFECTS: tuple[Effect, ...] = (
     _body(
         name="mass_change",
         equation="m <- (1 + d) m",
-        parameters=(EffectParameter("factor", "1", -0.5, 0.6, 0.03, 0.15, "body.mass"),),
+        parameters=(EffectParameter("factor", "1", -0.42, 0.6, 0.03, 0.15, "body.mass"),),
         signals=("longitudinal_acceleration", *_WHEEL_SPEEDS, "lateral_acceleration"),
         confounded_with=("brake_pad_friction", "tyre_friction", "aero_drag"),
         separating_manoeuvre="full throttle, coasting and braking: mass acts in all three",
@@ -46,7 +46,7 @@ BODY_EFFECTS: tuple[Effect, ...] = (
     _body(
         name="yaw_inertia",
         equation="I_z <- (1 + d) I_z",
-        parameters=(EffectParameter("factor", "1", -0.6, 0.6, 0.03, 0.2, "body.yaw_inertia"),),
+        parameters=(EffectParameter("factor", "1", -0.45, 0.6, 0.03, 0.2, "body.yaw_inertia"),),
         signals=("yaw_rate", "lateral_acceleration"),
         confounded_with=("tyre_cornering_stiffness", "tyre_relaxation_length"),
         separating_manoeuvre="sine sweep: the lag of the yaw rate above 1 Hz",

@@ -135,7 +135,7 @@ TYRE_EFFECTS: tuple[Effect, ...] = (
         name="rolling_resistance",
         equation="F = Fz f0 (1 + d + f1 v)",
         parameters=(
-            EffectParameter("constant", "1", -0.9, 1.5, 0.05, 0.35, "wheels.*.rolling_resistance"),
+            EffectParameter("constant", "1", -0.75, 1.5, 0.05, 0.35, "wheels.*.rolling_resistance"),
             EffectParameter("speed", "s/m", -0.005, 0.03, 0.001, 0.008, relative=False),
         ),
         signals=("longitudinal_acceleration", "speed"),

@@ -192,9 +192,10 @@ class Replay(ReplayBase):
         """Wheel pressures [Pa] that drive the car, less their sensors' noise.
 
         (n, 4) at the samples, and (n, SUBSTEPS, 4) in the middle of the car's steps before each of them. Measured ones
-        are as they were read: what a brake leads a late sensor by has slopes where pressures are held.
+        are taken as read: freed of a lag of their sensors they would slope where valves hold them.
         """
-        prepared, inputs = self.prepared[m], self.prepared[m].inputs.values
+        prepared = self.prepared[m]
+        inputs = prepared.inputs.values
         if not prepared.pressure_known:
             deviations = self.deviations_at(theta, m)
             inputs = self.inputs_at(deviations, prepared, self.pressures.at(deviations, prepared))
