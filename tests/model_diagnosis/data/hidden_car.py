@@ -48,9 +48,14 @@ def hidden_logs(
     return vehicle, read_manoeuvres([folder / "logs" / f"{name}.csv" for name in names], channel_map, vehicle)
 
 
-def drawn_logs(folder: Path, seed: int, index: int, family: str | None = None) -> tuple[VehicleFile, list[Manoeuvre]]:
-    """Vehicle file and manoeuvres of a case of the mixture, or of a family, as it was drawn."""
-    Case(seed, index, family, "first").write(folder, folder / "label.json")
-    vehicle = load_vehicle(str(folder / "vehicle.yaml"))
-    channel_map = load_channel_map(str(folder / "channels.yaml"))
-    return vehicle, read_manoeuvres(sorted((folder / "logs").iterdir()), channel_map, vehicle)
+def drawn_logs(
+    case: Path, seed: int, index: int, family: str | None = None, folder: str = "logs"
+) -> tuple[VehicleFile, list[Manoeuvre]]:
+    """Vehicle file and manoeuvres of a case of the mixture, or of a family, as it was drawn.
+
+    ``folder`` is ``logs`` or ``held_out``.
+    """
+    Case(seed, index, family, "first").write(case, case / "label.json")
+    vehicle = load_vehicle(str(case / "vehicle.yaml"))
+    channel_map = load_channel_map(str(case / "channels.yaml"))
+    return vehicle, read_manoeuvres(sorted((case / folder).iterdir()), channel_map, vehicle)

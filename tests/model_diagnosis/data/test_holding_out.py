@@ -1,13 +1,15 @@
-"""The second part of each drive kept apart: every sample on one side, once, in order."""
+"""What takes no part in the search: every sample of a drive on one side, once, in order; lags of the others."""
 
 import kinematic_car as car
 import numpy as np
 import pytest
+from hidden_car import drawn_logs
 
-from model_diagnosis.data import holding_out, read_manoeuvres
+from model_diagnosis.data import read_manoeuvres
 from model_diagnosis.data.delay_checks import shifted
 from model_diagnosis.data.holding_out import check_held_out, held_out_by_time
 from model_diagnosis.data.liveliest import liveliest, liveliness
+from model_diagnosis.replay import Replay
 from model_diagnosis.result import DataFault
 from signals.errors import InputError
 
@@ -78,24 +80,35 @@ def test_the_liveliest_manoeuvres_are_searched_in_their_order(tmp_path, vehicle,
         liveliest(manoeuvres, 0.0)
 
 
+@pytest.fixture(scope="module")
+def two_held_out(tmp_path_factory):
+    """A car whose speed is 9 ms late: its two held-out drives say 36 ms by themselves, the six others nothing."""
+    return drawn_logs(tmp_path_factory.mktemp("case"), 1000013, 115, folder="held_out")
+
+
+def _samples_earlier(late, repaired):
+    """By how many samples ``check_held_out`` took the speed earlier."""
+    middle = slice(100, -100)
+    same = [np.array_equal(np.roll(late, -k)[middle], repaired[middle]) for k in range(60)]
+    return same.index(True)
+
+
 @pytest.mark.parametrize(
-    ("here_s", "there_s", "shift"),
-    [(0.036, None, 0), (0.201, 0.183, 18), (None, 0.04, 4), (0.2, None, 20), (0.05, 0.28, 5)],
+    ("lag_s", "searched_s", "shift", "within"),
+    [
+        pytest.param(0.0, 0.0, 0, 0, id="nothing is that of the searched drives"),
+        pytest.param(0.0, 0.02, 2, 0, id="shifted as the searched drives"),
+        pytest.param(0.3, 0.0, 30, 3, id="a lag of their own"),
+        pytest.param(0.3, 0.32, 32, 0, id="a large one of the searched drives"),
+    ],
 )
 def test_held_out_drives_have_the_lag_of_the_others_unless_it_is_another(
-    two_drives, monkeypatch, here_s, there_s, shift
+    two_held_out, lag_s, searched_s, shift, within
 ):
-    """``here_s`` is what the held-out drives tell alone, ``there_s`` what the others do; 50 ms tell them apart."""
-
-    def late(delay_s):
-        return [] if delay_s is None else [LATE.model_copy(update={"value": delay_s})]
-
-    def repaired(manoeuvres, *_):
-        return late(here_s), [shifted(one, ["speed"], here_s or 0.0) for one in manoeuvres]
-
-    monkeypatch.setattr(holding_out, "check_data", repaired)
-    (first, *_) = check_held_out(two_drives, late(there_s), vehicle=None)
-    middle = slice(100, -100)
-    moved = np.roll(two_drives[0].channels["speed"], -shift)
-    np.testing.assert_array_equal(first.channels["speed"][middle], moved[middle])
-    np.testing.assert_array_equal(first.channels["yaw_rate"], two_drives[0].channels["yaw_rate"])
+    vehicle, drives = two_held_out
+    late = [shifted(one, ["speed"], -lag_s) for one in drives]
+    searched = [LATE.model_copy(update={"value": searched_s})] if searched_s else []
+    (first, *_) = check_held_out(late, searched, vehicle, Replay)
+    earlier = _samples_earlier(late[0].channels["speed"], first.channels["speed"])
+    assert earlier == pytest.approx(shift, abs=within)
+    np.testing.assert_array_equal(first.channels["yaw_rate"], drives[0].channels["yaw_rate"])
