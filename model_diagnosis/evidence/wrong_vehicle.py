@@ -35,6 +35,7 @@ DATA_SHEET = (Group.TYRE, Group.BRAKE, Group.BODY, Group.AERODYNAMICS, Group.STE
 """Groups whose numbers make a car another one."""
 
 PARAMETERS_FAR_OFF = 3
+"""Numbers of a data sheet that have to be far off; of a wheel on a rig, whose sheet has three in all, more than half."""
 
 SUSPICIOUS_SHARE = 0.5
 """Share of being far off from which a number counts in the first fit."""
@@ -56,6 +57,7 @@ class WrongVehicle:
         first
     deviations : how far, in units of the scatter
     numbers : that other car; None where the replay has no nominal numbers
+    needed : numbers that have to be far off
     """
 
     evidence: float
@@ -63,6 +65,7 @@ class WrongVehicle:
     far_off: tuple[int, ...]
     deviations: tuple[float, ...]
     numbers: CarNumbers | None = None
+    needed: int = PARAMETERS_FAR_OFF
 
     def beats(self, selected_evidence: float, selected_cost: float, is_incomplete: bool = False) -> bool:
         """True if the data speaks for another car rather than for the selected effects.
@@ -73,7 +76,7 @@ class WrongVehicle:
         """
         says_more = self.evidence > selected_evidence + MARGIN
         fits_better = is_incomplete and self.cost < selected_cost
-        return (says_more or fits_better) and len(self.far_off) >= PARAMETERS_FAR_OFF
+        return (says_more or fits_better) and len(self.far_off) >= self.needed
 
 
 def are_of_the_car(effects: Sequence[Effect]) -> bool:
@@ -117,8 +120,9 @@ def compare(
     suspicious = (np.abs(off) > SUSPICIOUS_SHARE * FAR_OFF * stated[columns]) & (
         np.abs(off) > SUSPICIOUS_SHARE * LEAST_SHARE
     )
-    count = sum(is_of_data_sheet(problem, int(column)) for column in columns[suspicious])
-    if count < PARAMETERS_FAR_OFF or 0.5 * (nothing.cost - near.cost) + LATER_GAIN < named + MARGIN:
+    sheet = np.array([is_of_data_sheet(problem, int(column)) for column in columns])
+    needed = min(PARAMETERS_FAR_OFF, 1 + int(sheet.sum()) // 2)
+    if np.count_nonzero(suspicious & sheet) < needed or 0.5 * (nothing.cost - near.cost) + LATER_GAIN < named + MARGIN:
         return WrongVehicle(-np.inf, np.inf, (), ())
     fresh = problem.linearise(near.theta)
     fits = [problem.fit(fresh, widths[factor], near.theta) for factor in WIDENINGS]
@@ -145,6 +149,7 @@ def compare(
         tuple(order),
         tuple(float(off[column]) for column in order),
         CarNumbers(fits[best].theta, columns.tolist(), std[columns].tolist()),
+        needed,
     )
 
 

@@ -52,10 +52,14 @@ def sweep(
     *,
     friction: float = 1.0,
     cornering: float = 1.0,
+    slip: float = 1.0,
     relaxation: float = RELAXATION_M,
     braking: bool = False,
 ) -> Manoeuvre:
-    """Eight seconds of slip angle to 8 degrees, or of braking slip to 12 %, at a load that swings."""
+    """Eight seconds of slip angle to 8 degrees, or of braking slip to 12 %, at a load that swings.
+
+    ``friction``, ``cornering`` and ``slip`` are factors of the force and of its slopes over slip angle and slip.
+    """
     time = FINE_S * np.arange(800 * EVERY)
     random = np.random.default_rng(seed)
     loads = load * (1.0 + 0.15 * np.sin(1.3 * time + seed))
@@ -63,7 +67,7 @@ def sweep(
     ratio, angle = (-0.12 * np.abs(course), 0.0 * time) if braking else (0.0 * time, np.radians(8.0) * course)
     along_plane = SPEED_M_S * np.cos(angle)
     slips = relaxed(ratio, along_plane, relaxation), relaxed(-np.tan(angle), along_plane, relaxation)
-    factors = 1.0, cornering
+    factors = slip, cornering
     along, across = (
         friction * PEAK[k] * loads * np.sin(SHAPE[k] * np.arctan(factors[k] * STIFFNESS[k] * slips[k]))
         for k in range(2)

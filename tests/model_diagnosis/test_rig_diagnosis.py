@@ -75,6 +75,22 @@ def test_a_tyre_that_follows_later_is_named_with_its_relaxation_length(car: Vehi
     assert cause.parameters["length"].value == pytest.approx(0.6, rel=0.1)
 
 
+def test_two_things_of_a_tyre_are_named_as_two(car: VehicleFile) -> None:
+    causes = {cause.effect: cause for cause in diagnose(programme(friction=0.85, cornering=1.25), car).diagnosis.causes}
+    assert set(causes) == {"tyre_friction", "tyre_cornering_stiffness"}
+    assert causes["tyre_friction"].parameters["front"].value == pytest.approx(0.85, rel=0.03)
+    assert causes["tyre_cornering_stiffness"].parameters["front"].value == pytest.approx(1.25 * 13.0, rel=0.05)
+
+
+def test_another_tyre_is_a_wrong_vehicle_with_the_numbers_that_the_rig_says(car: VehicleFile) -> None:
+    other = {"friction": 0.6, "cornering": 0.9, "slip": 0.6}
+    answer = diagnose(programme(**other), car, hold_out=programme(seed=20, **other)[1:3]).diagnosis
+    assert answer.verdict == "wrong_vehicle"
+    assert not answer.causes
+    assert answer.gain is not None
+    assert answer.gain.overall.high < 0.2
+
+
 @pytest.mark.parametrize(("seed", "friction", "cornering"), [(0, 1.0, 1.0), (40, 0.97, 0.97), (60, 1.03, 0.98)])
 def test_of_a_tyre_within_the_files_scatter_nothing_is_named(
     car: VehicleFile, seed: int, friction: float, cornering: float
