@@ -35,7 +35,7 @@ DATA_SHEET = (Group.TYRE, Group.BRAKE, Group.BODY, Group.AERODYNAMICS, Group.STE
 """Groups whose numbers make a car another one."""
 
 PARAMETERS_FAR_OFF = 3
-"""Numbers of a data sheet that have to be far off; of a wheel on a rig, whose sheet has three in all, more than half."""
+"""Numbers of a data sheet that have to be far off; of a wheel on a rig, whose sheet has three, more than half."""
 
 SUSPICIOUS_SHARE = 0.5
 """Share of being far off from which a number counts in the first fit."""
