@@ -17,7 +17,8 @@ from model_diagnosis.evidence.hypotheses import Hypothesis
 from model_diagnosis.evidence.law_errors import LAW_SHARE, evidence_beside_laws
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.search import Search
-from model_diagnosis.evidence.stage import Candidate, Refit, Stage, linear_evidence, ratios
+from model_diagnosis.evidence.splitting import split
+from model_diagnosis.evidence.stage import Candidate, Refit, Stage, linear_evidence, ratios, smaller_than_named
 
 FloatArray = NDArray[np.float64]
 
@@ -79,16 +80,6 @@ class Selection:
     decisions: list[str] = field(default_factory=list)
 
 
-def smaller_than_named(problem: Problem, hypothesis: Hypothesis, theta: FloatArray) -> str:
-    """What a deviation in theta (p,) is too small for to be a cause, in words; "" where none is."""
-    for column in hypothesis.columns:
-        parameter = problem.replay.parameters[column]
-        size = abs(float(theta[column] - problem.priors.centre[column]))
-        if size < parameter.least_named:
-            return f"{parameter.name} of {size:.3g}, and below {parameter.least_named:g} it is no cause"
-    return ""
-
-
 class Selector:
     """Runs the forward selection of one search.
 
@@ -124,7 +115,7 @@ class Selector:
         stages: list[Stage] = []
         left, needed = 0.0, self.needed
         for step in range(most + 1):
-            self.tell(f"effect {step + 1}", step / (most + 1))
+            self.tell(f"effect {len(chosen) + 1}", step / (most + 1))
             stage = self.search.stage(chosen, fit, linearisation)
             stage = self.search.refit(stage, self.search.starts.candidates(stage, saturated if step == 0 else None))
             stages.append(stage)
@@ -135,16 +126,18 @@ class Selector:
             if found is None:
                 break
             best, at_best = found
-            if step == most:
+            if step == most or len(chosen) == most:
                 left = best.evidence
                 break
             fit, linearisation = best.fit, at_best
             needed = max(needed, LATER_SHARE * best.evidence) if step == 0 else needed
             chosen = [*chosen, best.hypothesis]
             self.decisions.append(f"accepted {self.name(best.hypothesis)}, log Bayes factor {best.evidence:.1f}")
+            if len(chosen) < most and (parted := split(self, chosen, fit, linearisation, needed)):
+                chosen, fit, linearisation = parted.chosen, parted.fit, parted.linearisation
             if len(chosen) > 1:
                 chosen, fit, linearisation = self._drop_and_swap(chosen, fit, linearisation, stages)
-        accepted = [self._judged(chosen, hypothesis, fit, linearisation, nothing) for hypothesis in chosen]
+        accepted = [self.judged(chosen, hypothesis, fit, linearisation, nothing) for hypothesis in chosen]
         return Selection(accepted, fit, linearisation, nothing, stages, left, self.decisions)
 
     def without(self, selection: Selection, improbable: Sequence[Accepted]) -> Selection:
@@ -163,8 +156,8 @@ class Selector:
     def _with(
         self, selection: Selection, chosen: Sequence[Hypothesis], theta: FloatArray, told: Sequence[str]
     ) -> Selection:
-        fit, linearisation = self._polish(self.search.fit_set(chosen, selection.linearisation, theta))
-        accepted = [self._judged(chosen, one, fit, linearisation, selection.nothing) for one in chosen]
+        fit, linearisation = self.polish(self.search.fit_set(chosen, selection.linearisation, theta))
+        accepted = [self.judged(chosen, one, fit, linearisation, selection.nothing) for one in chosen]
         decisions = [*selection.decisions, *told]
         return replace(selection, accepted=accepted, fit=fit, linearisation=linearisation, decisions=decisions)
 
@@ -289,7 +282,7 @@ class Selector:
         # sensitivities see little of what acts in pulses: they cannot tell what the laws take of it
         return float(np.clip(left / exact, 0.0, 1.0)) if exact > LEAST_SEEN else 1.0
 
-    def _polish(self, fit: Fit) -> tuple[Fit, Linearisation]:
+    def polish(self, fit: Fit) -> tuple[Fit, Linearisation]:
         """Fresh sensitivities at the accepted solution and the fit with them."""
         linearisation = self.problem.linearise(fit.theta)
         return self.problem.fit(linearisation, fit.widths, fit.theta, fit.fixed), linearisation
@@ -306,7 +299,7 @@ class Selector:
             if len(rest) and evidence <= self.needed:
                 self.decisions.append(f"dropped {self.name(hypothesis)}: only {evidence:.1f} beside the others")
                 chosen = rest
-                fit, linearisation = self._polish(without)
+                fit, linearisation = self.polish(without)
         for hypothesis in list(chosen):
             rest = [one for one in chosen if one is not hypothesis]
             for candidate in self._rejected(chosen, stages):
@@ -321,7 +314,7 @@ class Selector:
                         f"swapped {self.name(hypothesis)} for {self.name(candidate.hypothesis)}: {gained:.1f} better"
                     )
                     chosen = trial
-                    fit, linearisation = self._polish(swapped)
+                    fit, linearisation = self.polish(swapped)
                     break
         return chosen, fit, linearisation
 
@@ -357,7 +350,7 @@ class Selector:
         """N_eff: rows over the temperature."""
         return sum(len(row) for row in self.problem.rows(theta)) / self.problem.whitener.temperature
 
-    def _judged(
+    def judged(
         self, chosen: Sequence[Hypothesis], hypothesis: Hypothesis, fit: Fit, linearisation: Linearisation, nothing: Fit
     ) -> Accepted:
         """Evidence of one accepted effect beside the others, with its checks."""

@@ -93,3 +93,13 @@ def linear_evidence(
     return effect_evidence(
         quadratic, ratios(problem, accepted), np.ones(len(problem.scale)), [one.columns for one in hypotheses]
     )
+
+
+def smaller_than_named(problem: Problem, hypothesis: Hypothesis, theta: FloatArray) -> str:
+    """What a deviation in theta (p,) is too small for to be a cause, in words; "" where none is."""
+    for column in hypothesis.columns:
+        parameter = problem.replay.parameters[column]
+        size = abs(float(theta[column] - problem.priors.centre[column]))
+        if size < parameter.least_named:
+            return f"{parameter.name} of {size:.3g}, and below {parameter.least_named:g} it is no cause"
+    return ""

@@ -26,7 +26,7 @@ class LinearCar:
     """Replay with fixed sensitivities: smooth random functions of time, one set per manoeuvre.
 
     ``bend`` adds a quadratic term; ``colour`` is the first coefficient of the noise's autoregression; ``same`` are
-    pairs of columns with equal sensitivities up to a factor.
+    pairs of columns with equal sensitivities up to a factor, ``alike`` pairs with a correlation below one.
     """
 
     def __init__(
@@ -40,6 +40,7 @@ class LinearCar:
         colour: float = 0.0,
         strength: float = 1.0,
         same: Sequence[tuple[int, int, float]] = (),
+        alike: Sequence[tuple[int, int, float]] = (),
     ) -> None:
         rng = np.random.default_rng(seed)
         self.effects = tuple(effects)
@@ -54,6 +55,9 @@ class LinearCar:
             smooth = strength * lfilter([0.1], [1.0, -0.9], rough, axis=0) / 0.23
             for first, second, factor in same:
                 smooth[:, :, second] = factor * smooth[:, :, first]
+            for first, second, correlation in alike:
+                own = np.sqrt(1.0 - correlation**2) * smooth[:, :, second]
+                smooth[:, :, second] = correlation * smooth[:, :, first] + own
             self.matrices.append(smooth)
         self.manoeuvres = []
         for number, predicted in enumerate(self._predicted(truth)):
