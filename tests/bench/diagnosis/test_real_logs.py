@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from bench.diagnosis.diagnosing import Found, find, write
@@ -33,6 +34,9 @@ TRAPS = {
     "tyre-rig-ttc-deid": {("channel_sign", "vertical_load_fl")},
 }
 """Kind and channel of what the descriptions of the data warn of."""
+
+LEFT_OF_THE_RIGS_ERROR = 0.3
+"""Less than twice the share that a fit by others to such data leaves along (docs/case-studies: 266 of 1448 N)."""
 
 MAPS = {"revs-250lm-2014": "channels_filtered.yaml"}
 
@@ -64,7 +68,7 @@ def _logs(name: str, folder: Path) -> list[Path]:
         archive = SHARED / name / "segment40.npz"
         subprocess.run([sys.executable, str(converter), str(archive), str(folder)], check=True)
         return [folder / log for log in ("can.log", "steering.csv", "pose.csv")]
-    seconds = {"iac-av21": 700.0, "tyre-rig-ttc-deid": 60.0}.get(name, 60.0)
+    seconds = {"iac-av21": 700.0, "tyre-rig-ttc-deid": np.inf}.get(name, 60.0)
     packed = sorted(path for path in (SHARED / name).iterdir() if path.name.lower().endswith(".csv.gz"))
     return [_first_seconds(path, seconds, folder) for path in packed]
 
@@ -114,10 +118,11 @@ def test_of_a_wheel_on_a_rig_the_tyre_is_said_to_be_another(studied: tuple[str, 
     """The file's tyre is a guess: what is said is said of the tyre alone, and gains on what took no part."""
     _, found = studied
     answer = found.findings.diagnosis
-    assert answer.verdict in ("wrong_vehicle", "effect_found")
-    said = [one.effect.name for one in found.findings.numbers] + [cause.effect for cause in answer.causes]
+    assert answer.verdict == "wrong_vehicle"
+    assert not answer.causes
+    said = [one.effect.name for one in found.findings.numbers]
     assert said
     assert all(name.startswith("tyre_") for name in said)
     assert answer.gain is not None
-    assert answer.gain.overall.high < 0.7
+    assert answer.gain.overall.high < LEFT_OF_THE_RIGS_ERROR
     assert any("not for a wheel on a rig" in remark for remark in answer.remarks)
