@@ -16,8 +16,8 @@ from model_diagnosis.evidence.groups import SEPARATION_NEEDED, canonical_correla
 from model_diagnosis.evidence.hypotheses import Hypothesis, by_effect
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.search import Search
-from model_diagnosis.evidence.selection import SWAP_GAIN, Accepted, Selection
-from model_diagnosis.evidence.stage import linear_evidence, ratios, smaller_than_named
+from model_diagnosis.evidence.selection import Accepted, Selection
+from model_diagnosis.evidence.stage import SWAP_GAIN, linear_evidence, ratios, smaller_than_named
 from model_diagnosis.evidence.threshold import probabilities
 
 FloatArray = NDArray[np.float64]

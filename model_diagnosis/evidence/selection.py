@@ -18,15 +18,20 @@ from model_diagnosis.evidence.law_errors import LAW_SHARE, evidence_beside_laws
 from model_diagnosis.evidence.quadratic import Quadratic, total
 from model_diagnosis.evidence.search import Search
 from model_diagnosis.evidence.splitting import split
-from model_diagnosis.evidence.stage import Candidate, Refit, Stage, linear_evidence, ratios, smaller_than_named
+from model_diagnosis.evidence.stage import (
+    SWAP_GAIN,
+    Candidate,
+    Refit,
+    Stage,
+    linear_evidence,
+    ratios,
+    smaller_than_named,
+)
 
 FloatArray = NDArray[np.float64]
 
 MAXIMUM_EFFECTS = 3
 SWAPS_TRIED = 2
-SWAP_GAIN = 1.0
-"""Log evidence that a swap has to gain: a fit by chords ends some units of cost, twice as many, above its minimum."""
-
 LEAST_SEEN = 1.0
 """Log evidence by sensitivities below which they tell nothing."""
 

@@ -1,7 +1,7 @@
 """Two causes in the place of one that has several deviations.
 
 A forward selection takes the effect that says most at once: offsets of an accelerometer along and across stand for a
-slope and a late offset of the gyroscope, which say less one by one. No swap of one for one comes back from there.
+slope and a bank, which say less one by one. No swap of one for one comes back from there.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -10,16 +10,13 @@ from typing import TYPE_CHECKING
 
 from model_diagnosis.evidence.fitting import Fit, Linearisation
 from model_diagnosis.evidence.hypotheses import Hypothesis
-from model_diagnosis.evidence.stage import linear_evidence, ratios, smaller_than_named
+from model_diagnosis.evidence.stage import SWAP_GAIN, linear_evidence, ratios, smaller_than_named
 
 if TYPE_CHECKING:
     from model_diagnosis.evidence.selection import Selector
 
 TRIED = 2
 """Answers of each kind that are fitted, those that say most by sensitivities."""
-
-SETTLING_GAIN = 1.0
-"""Log evidence that another effect in one's place has to gain: a fit ends some units of cost above its minimum."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +64,7 @@ def _settled(selector: "Selector", answer: Answer) -> Answer:
     for place in (-2, -1):
         for trial in _best(_with_another(selector, answer, place)):
             other = _fitted(selector, answer, trial)
-            if other.evidence > answer.evidence + SETTLING_GAIN:
+            if other.evidence > answer.evidence + SWAP_GAIN:
                 answer = other
                 break
     return answer

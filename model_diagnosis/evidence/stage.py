@@ -15,6 +15,9 @@ from model_diagnosis.evidence.quadratic import Quadratic, effect_evidence
 
 FloatArray = NDArray[np.float64]
 
+SWAP_GAIN = 1.0
+"""Log evidence that a swap has to gain: a fit by chords ends some units of cost, twice as many, above its minimum."""
+
 
 @dataclass(frozen=True)
 class Candidate:
