@@ -33,6 +33,8 @@ def split(
     selector: "Selector", chosen: Sequence[Hypothesis], fit: Fit, linearisation: Linearisation, needed: float
 ) -> Answer | None:
     """The answer with two causes for one, where it says more by what a further cause ``needed``; else None."""
+    if not any(len(one.columns) > 1 for one in chosen):
+        return None
     whole = Answer(list(chosen), fit, linearisation, selector.evidence_of(chosen, fit, linearisation))
     for trial in _best(_with_two_for_one(selector, whole)):
         parted = _settled(selector, _fitted(selector, whole, trial))
@@ -73,6 +75,7 @@ def _settled(selector: "Selector", answer: Answer) -> Answer:
 def _stand(selector: "Selector", answer: Answer, needed: float) -> bool:
     """True where each of the last two effects passes the checks of a cause beside the others."""
     for one in answer.chosen[-2:]:
+        # beside others "nothing" is not asked: any fit stands for it
         judged = selector.judged(answer.chosen, one, answer.fit, answer.linearisation, answer.fit)
         if judged.evidence <= needed or judged.bic_change >= 0.0 or not judged.held_out.passed:
             return False
@@ -85,14 +88,14 @@ def _with_two_for_one(selector: "Selector", answer: Answer) -> Iterator[tuple[fl
     """Each effect less some of its deviations, with the best other effect beside it; what that gains."""
     quadratic = selector.problem.quadratic_at(answer.linearisation, answer.fit.theta)
     others = _free(selector, answer.chosen)
-    for whole in answer.chosen if others else ():
-        rest = [one for one in answer.chosen if one is not whole]
+    for cause in answer.chosen if others else ():
+        rest = [one for one in answer.chosen if one is not cause]
         smaller = [
             one
             for one in selector.search.hypotheses
-            if one.effect == whole.effect and set(one.columns) < set(whole.columns) and one.value is None
+            if one.effect == cause.effect and set(one.columns) < set(cause.columns) and one.value is None
         ]
-        own = linear_evidence(selector.problem, quadratic, [whole, *smaller], rest)
+        own = linear_evidence(selector.problem, quadratic, [cause, *smaller], rest)
         for parted, value in zip(smaller, own[1:], strict=True):
             beside = linear_evidence(selector.problem, quadratic, others, [*rest, parted])
             best = int(beside.argmax())
