@@ -11,6 +11,26 @@ from pydantic.fields import FieldInfo
 from signals.errors import InputError, unknown_name
 from signals.quantities import QuantityError, limits_of, range_text, to_si, unit_of
 
+VEHICLE_SECTIONS = (
+    "body",
+    "axles",
+    "wheels",
+    "suspension",
+    "steering",
+    "brakes",
+    "hydraulics",
+    "driveline",
+    "aerodynamics",
+    "sensors",
+    "planar",
+    "two_track",
+    "steered_track",
+    "two_wheeler",
+    "tyres",
+    "terms",
+)
+"""Sections of a vehicle file that have parameters."""
+
 
 @dataclass(frozen=True)
 class ParameterInfo:

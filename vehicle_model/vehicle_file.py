@@ -21,7 +21,7 @@ from vehicle_model.body_file import Aerodynamics, Axles, Body, Steering, Wheels
 from vehicle_model.extension_file import Extension
 from vehicle_model.extension_terms_file import MOST_TERMS, Terms
 from vehicle_model.mass_check import check_masses
-from vehicle_model.parameters import ParameterInfo
+from vehicle_model.parameters import VEHICLE_SECTIONS, ParameterInfo
 from vehicle_model.reference.planar_file import Planar
 from vehicle_model.reference.steered_track_file import SteeredTrackSection
 from vehicle_model.reference.two_track_file import TwoTrackSection
@@ -33,24 +33,6 @@ from vehicle_model.tyres.tyre_file import TirTyre, TyreFile, TyrePair
 VEHICLES = Path(__file__).parent / "vehicles"
 TYRES = Path(__file__).parent / "tyre_files"
 STANDARD_GRAVITY = 9.81
-_SECTIONS = (
-    "body",
-    "axles",
-    "wheels",
-    "suspension",
-    "steering",
-    "brakes",
-    "hydraulics",
-    "driveline",
-    "aerodynamics",
-    "sensors",
-    "planar",
-    "two_track",
-    "steered_track",
-    "two_wheeler",
-    "tyres",
-    "terms",
-)
 
 
 class Scatter(FileModel):
@@ -123,7 +105,7 @@ class VehicleFile(FileModel):
     def numbers(self, section: str | None = None) -> dict[str, float]:
         """Dotted path → SI value of a section's numbers, or of all sections."""
         if section is None:
-            return {path: value for name in _SECTIONS for path, value in self.numbers(name).items()}
+            return {path: value for name in VEHICLE_SECTIONS for path, value in self.numbers(name).items()}
         return parameters.numbers(getattr(self, section), f"{section}.")
 
 
@@ -131,7 +113,7 @@ def parameter_table(vehicle: VehicleFile) -> list[ParameterInfo]:
     """Every parameter of a vehicle with unit, value, default, range, neutral value and source."""
     return [
         info
-        for section in _SECTIONS
+        for section in VEHICLE_SECTIONS
         for info in parameters.parameter_infos(getattr(vehicle, section), f"{section}.", vehicle.sources)
     ]
 
@@ -139,8 +121,8 @@ def parameter_table(vehicle: VehicleFile) -> list[ParameterInfo]:
 def set_parameter(vehicle: VehicleFile, path: str, value: float | str) -> None:
     """Change one parameter in place; InputError if there is none of that path or the value is refused."""
     section = path.partition(".")[0]
-    if section not in _SECTIONS:
-        raise unknown_name("section of a vehicle", section, _SECTIONS)
+    if section not in VEHICLE_SECTIONS:
+        raise unknown_name("section of a vehicle", section, VEHICLE_SECTIONS)
     parameters.set_parameter(getattr(vehicle, section), path, value, f"{section}.")
 
 

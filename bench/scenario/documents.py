@@ -7,25 +7,8 @@ from typing import Any
 
 from signals.errors import FileFaults, InputError, nearest_name
 from signals.yaml_files import DataPath, Document, Place, load_yaml, overlay, parse_yaml
+from vehicle_model.parameters import VEHICLE_SECTIONS
 
-VEHICLE_SECTIONS = (
-    "body",
-    "axles",
-    "wheels",
-    "suspension",
-    "steering",
-    "brakes",
-    "hydraulics",
-    "driveline",
-    "aerodynamics",
-    "sensors",
-    "planar",
-    "two_track",
-    "steered_track",
-    "two_wheeler",
-    "terms",
-    "tyres",
-)
 _PARAMETERS = (*VEHICLE_SECTIONS, "road")
 # lists that an include and the file together make: entries of the same name are merged, the others stand in order
 _JOINED = {"criteria": "id", "stimuli": "name", "valid_if": ""}
