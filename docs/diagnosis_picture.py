@@ -6,7 +6,7 @@ from pathlib import Path
 from generate_case_studies import ROOT, pictured
 
 PICTURE = ROOT / "docs" / "images" / "diagnosis_worn_pads.png"
-HEIGHT = 1690
+HEIGHT = 1760
 """Pixels of the page down to the lowest row of the house of equations."""
 
 

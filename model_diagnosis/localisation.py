@@ -14,7 +14,7 @@ from model_diagnosis.evidence.localise import EquationErrors, violated_by_innova
 from model_diagnosis.evidence.priors import NUISANCE_FLOOR, Priors
 from model_diagnosis.evidence.whitening import fit_whitener
 from model_diagnosis.replay import Replay
-from model_diagnosis.replay.disturbances import UNITS, disturbance_answers, equation_forces
+from model_diagnosis.replay.disturbances import ALIKE, UNITS, disturbance_answers, possible_errors
 from model_diagnosis.replay.equations import errors_of
 from model_diagnosis.result import LIT_RATIO, ViolatedEquation
 from signals.wheels import WHEELS
@@ -25,12 +25,13 @@ _LIT_SHARE = 0.1
 """Of the largest ratio: what a violated equation spills into others is not lit."""
 _SCATTER_STD = 2.0
 """Ordinary scatter of a number, in its standard deviations, that may explain an equation's error."""
-_NEAR_STD = 1.0
-"""The same for the innovations, which let the rest of the scatter explain what it can."""
+_NEAR_STD = 3.0
+"""The same for the innovations, which let the scatter explain what it can: only their slopes are taken there. From one
+scatter on what is not linear lit a wheel's sensor of three healthy cars in three."""
 _DRAWS = 4
 
 _FORCES = ("longitudinal force", "lateral force", "yaw moment")
-_WHEELS = tuple(f"wheel torque {wheel}" for wheel in WHEELS)
+_WHEELS = (*(f"wheel torque {wheel}" for wheel in WHEELS), ALIKE)
 _HYDRAULICS = tuple(f"hydraulics {wheel}" for wheel in WHEELS)
 _LOADS = ("load transfer",)
 
@@ -115,8 +116,8 @@ def _errors(
     centre, *others = (errors_of(replay, draw, m) for draw in draws)
     # a force that an accelerometer feels and one that it does not have one course
     courses = {
-        name: list({course.tobytes(): course for _, course in entries}.values())
-        for name, entries in equation_forces(replay, ordinary, m).items()
+        name: list({of.values.tobytes(): of.values for of in possible if np.any(of.values)}.values())
+        for name, possible in possible_errors(replay, ordinary, m).items()
     }
     return EquationErrors(
         nothing=errors_of(replay, ordinary, m),

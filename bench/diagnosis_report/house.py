@@ -8,6 +8,7 @@ from markupsafe import Markup, escape
 
 from bench.diagnosis_report.words import WHEEL_WORDS, plain
 from bench.report.formatting import number
+from model_diagnosis.replay.disturbances import ALIKE
 from model_diagnosis.result import LIT_RATIO, ViolatedEquation
 from signals.wheels import WHEELS
 
@@ -33,6 +34,7 @@ FLOORS: tuple[tuple[Room, ...], ...] = (
         Room("yaw moment", "yaw moment", "I_z ṙ = Σ (x F_y − y Fₓ)"),
     ),
     (Room("load transfer", "load transfer", "F_z = shares of m g, moved by h aₓ and h a_y"),),
+    (Room(ALIKE, "wheels of an axle alike", "J ω̇ = T_d − T_b − R Fₓ at the left and at the right, one error"),),
     tuple(Room(f"wheel torque {w}", f"wheel {WHEEL_WORDS[w]}", "J ω̇ = T_d − T_b − R Fₓ") for w in WHEELS),
     tuple(Room(f"hydraulics {w}", f"brake {WHEEL_WORDS[w]}", "ṗ = E(p) q(Δp, valves)") for w in WHEELS),
 )
@@ -119,11 +121,15 @@ def _numbers(
     if room.key not in ratios and room.key not in beside:
         return "not seen in this data"
     if not by_innovations:
-        return f"LR {number(max(ratios[room.key], 0.0), 3)}"
+        return f"LR {_ratio_text(ratios[room.key])}"
     return " · ".join(
-        f"{word} {number(max(values[room.key], 0.0), 3)}" if room.key in values else f"{word} –"
+        f"{word} {_ratio_text(values[room.key])}" if room.key in values else f"{word} –"
         for word, values in (("LR", ratios), ("by balance", beside))
     )
+
+
+def _ratio_text(ratio: float) -> str:
+    return number(round(max(ratio, 0.0), 1), 3)
 
 
 def _texts(room: Room, text: str, x: float, y: float) -> str:

@@ -9,20 +9,24 @@ or signal that the equation is about, drawn anew in each manoeuvre. Two views of
 - Innovations: the observer replay is a filter, whose whitened residual e has covariance T (1 + J D J'), T the
   temperature and J D J' what the ordinary scatter of the nominal numbers does. An error of equation i of variance q
   adds q S S', where S holds the replay's answers to it. A residual of an observer is the measurement less what the
-  older ones say, whatever its gains, so this is the likelihood that a Kalman filter with that process noise has.
+  older ones say, whatever its gains, so this is the likelihood that a Kalman filter with that process noise has. Errors
+  that last, the same in all manoeuvres, are asked for beside those drawn anew, and each kind (a constant, a share) by
+  itself: what a violation needs fewer numbers for says more than the same with many (Occam). The likeliest form counts.
 
 LR = 2 (l(q) - l(0)) at the likeliest q; without a violation it is 0 in half of all cases and chi-squared of one degree
 of freedom in the others.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model_diagnosis.evidence.fitting import Linearisation, Problem
 from model_diagnosis.evidence.whitening import ORDER, fit_signal
+from model_diagnosis.replay.disturbances import ErrorAnswers
 
 FloatArray = NDArray[np.float64]
 
@@ -98,7 +102,7 @@ def violated_by_innovations(
     problem: Problem,
     linearisation: Linearisation,
     theta: FloatArray,
-    answers: Callable[[int], Mapping[str, FloatArray]],
+    answers: Callable[[int], Mapping[str, ErrorAnswers]],
 ) -> dict[str, Violation]:
     """Violations by innovations, the most violated first.
 
@@ -106,7 +110,7 @@ def violated_by_innovations(
     ----------
     linearisation : sensitivities to the nominal numbers near theta
     theta : (p,) where the residuals are taken; their scatter about the prior's centre is allowed for
-    answers : of a manoeuvre's number, equation -> (n, c, k) change of measured minus predicted per unit of k errors
+    answers : of a manoeuvre's number, equation -> what the replay answers to its errors
     """
     temperature, z = problem.whitener.temperature, problem.scaled(theta)
     ratios = problem.priors.nuisance / problem.scale
@@ -117,23 +121,67 @@ def violated_by_innovations(
     for matrix, weight, row in zip(linearisation.matrices, linearisation.weights, nominal, strict=True):
         gradient += matrix.T @ (weight * row) / temperature
     explained = covariance @ gradient
-    scores: dict[str, list[FloatArray]] = {}
-    informations: dict[str, list[FloatArray]] = {}
-    crossings: dict[str, list[FloatArray]] = {}
+    parts: dict[str, list[_Part]] = {}
     for m, (matrix, weight) in enumerate(zip(linearisation.matrices, linearisation.weights, strict=True)):
         unexplained = nominal[m] - matrix @ explained
         for name, answer in answers(m).items():
-            shown = problem.whitener.whitened(m, answer)
+            shown = problem.whitener.whitened(m, answer.changes)
             weighted = shown * (weight / temperature)[:, None]
-            scores.setdefault(name, []).append(weighted.T @ unexplained)
-            informations.setdefault(name, []).append(weighted.T @ shown)
-            crossings.setdefault(name, []).append(weighted.T @ matrix)
-    found = {}
-    for name, score in scores.items():
-        crossing = np.concatenate(crossings[name])
-        information = block_diagonal(informations[name]) - crossing @ covariance @ crossing.T
-        found[name] = violation(np.concatenate(score), information)
+            part = _Part(weighted.T @ unexplained, weighted.T @ shown, weighted.T @ matrix, answer.kinds, answer.levels)
+            parts.setdefault(name, []).append(part)
+    found = {
+        name: max((violation(*form) for form in _forms(mine, covariance)), key=lambda one: one.likelihood_ratio)
+        for name, mine in parts.items()
+    }
     return dict(sorted(found.items(), key=lambda item: -item[1].likelihood_ratio))
+
+
+class _Part(NamedTuple):
+    """What one manoeuvre says of k errors: score (k,), information (k, k) and (k, p) with the numbers."""
+
+    score: FloatArray
+    information: FloatArray
+    crossing: FloatArray
+    kinds: tuple[str, ...]
+    levels: FloatArray
+
+    def of_kind(self, kind: str) -> "_Part":
+        """Of the errors of one kind only."""
+        mine = np.array([one == kind for one in self.kinds])
+        return _Part(
+            self.score[mine],
+            self.information[np.ix_(mine, mine)],
+            self.crossing[mine],
+            (kind,) * int(mine.sum()),
+            self.levels[mine],
+        )
+
+    def in_units_of(self, sizes: FloatArray) -> "_Part":
+        """Of errors given in ``sizes`` (k,) of theirs."""
+        information = sizes[:, None] * self.information * sizes
+        return _Part(sizes * self.score, information, sizes[:, None] * self.crossing, self.kinds, self.levels)
+
+
+def _forms(parts: Sequence[_Part], covariance: NDArray[np.floating]) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Score and information of errors of each form, with what the scatter of the numbers makes of them taken off."""
+    kinds = dict.fromkeys(parts[0].kinds)
+    for mine in (parts, *([part.of_kind(kind) for part in parts] for kind in kinds if len(kinds) > 1)):
+        crossing = np.concatenate([part.crossing for part in mine])
+        information = block_diagonal([part.information for part in mine])
+        yield np.concatenate([part.score for part in mine]), information - crossing @ covariance @ crossing.T
+        if len(mine) > 1:
+            lasting = [part.in_units_of(size) for part, size in zip(mine, _same_share(mine), strict=True)]
+            crossing = np.sum([part.crossing for part in lasting], axis=0)
+            information = np.sum([part.information for part in lasting], axis=0)
+            yield np.sum([part.score for part in lasting], axis=0), information - crossing @ covariance @ crossing.T
+
+
+def _same_share(parts: Sequence[_Part]) -> FloatArray:
+    """Sizes (manoeuvres, k), root mean square 1, of errors that are the same share of what they are a share of."""
+    levels = np.array([part.levels for part in parts])
+    overall = np.sqrt(np.mean(levels**2, axis=0))
+    sizes: FloatArray = levels / np.where(overall > 0.0, overall, 1.0)
+    return sizes
 
 
 def violation(score: FloatArray, information: FloatArray, usual: float = 0.0) -> Violation:

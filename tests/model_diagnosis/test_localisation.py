@@ -15,6 +15,7 @@ from model_diagnosis.evidence.base import fit_base
 from model_diagnosis.evidence.priors import Priors
 from model_diagnosis.localisation import acts_on, lit, localise, place_remarks
 from model_diagnosis.replay import Replay
+from model_diagnosis.replay.disturbances import ALIKE
 from model_diagnosis.result import ViolatedEquation
 
 SIX = ("abs_stop", "accelerate_and_brake", "brake_in_turn", "coast", "gentle_stops", "sine_steer")
@@ -25,11 +26,12 @@ SIX = ("abs_stop", "accelerate_and_brake", "brake_in_turn", "coast", "gentle_sto
     ("seed", "hidden", "guilty"),
     [
         (101, ("wheel_brake_weak", -0.25, 2), "wheel torque rl"),
+        pytest.param(110, ("brake_pad_friction", -0.25, 0), ALIKE, marks=pytest.mark.nightly),
         pytest.param(102, ("road_grade", 0.02, 0), "longitudinal force", marks=pytest.mark.nightly),
         pytest.param(103, ("gyro_offset", 0.008, 0), "sensor yaw_rate", marks=pytest.mark.nightly),
         pytest.param(105, None, None, marks=pytest.mark.nightly),
     ],
-    ids=["brake of one wheel", "grade", "offset of the gyroscope", "clean"],
+    ids=["brake of one wheel", "all pads", "grade", "offset of the gyroscope", "clean"],
 )
 def test_the_violated_equation_is_lit(
     seed: int, hidden: tuple[str, float, int] | None, guilty: str | None, tmp_path: Path
@@ -57,7 +59,16 @@ def test_a_cause_that_stands_in_no_violated_equation_is_told() -> None:
 
 
 def test_every_effect_stands_in_some_equation() -> None:
-    rooms = ("longitudinal force", "lateral force", "yaw moment", "load transfer", "wheel torque fl", "hydraulics fl")
+    rooms = (
+        "longitudinal force",
+        "lateral force",
+        "yaw moment",
+        "load transfer",
+        "wheel torque fl",
+        "hydraulics fl",
+        ALIKE,
+    )
     for one in EFFECTS:
         assert any(acts_on(one, room) for room in (*rooms, "sensor yaw_rate"))
     assert acts_on(effect("pressure_sensor_scale"), "wheel torque rr")
+    assert acts_on(effect("brake_pad_friction"), ALIKE)

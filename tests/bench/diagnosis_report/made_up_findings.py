@@ -162,7 +162,7 @@ def diagnosis() -> Diagnosis:
             "wheel torque rl": 120.0,
             "wheel torque rr": 95.0,
             "hydraulics fl": 3.0,
-            "speed": 22.0,
+            "speed": 52.0,
         },
         threshold=4.2,
         timing_s={"reading": 1.2, "replay": 8.4, "evidence": 21.0},

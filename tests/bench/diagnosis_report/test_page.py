@@ -150,14 +150,14 @@ def test_innovations_light_the_house_and_both_numbers_stand_in_it(findings: Find
     innovations = {
         "wheel torque fl": ViolatedEquation(likelihood_ratio=91.5, error=21.0, unit="N m"),
         "wheel torque fr": ViolatedEquation(likelihood_ratio=3.0, error=2.0, unit="N m"),
-        "sensor yaw_rate": ViolatedEquation(likelihood_ratio=25.0, error=0.004, unit="rad/s"),
+        "sensor yaw_rate": ViolatedEquation(likelihood_ratio=45.0, error=0.004, unit="rad/s"),
     }
     drawing = house_of_equations(findings.diagnosis.guilty_equations, innovations)
     rooms = re.findall(r'<g class="(\w+)">.*?class="name"[^>]*>([^<]+)<.*?class="ratio"[^>]*>([^<]+)<', drawing)
     shown = {name: (state, text) for state, name, text in rooms}
     assert shown["wheel front left"] == ("guilty", "LR 91.5 · by balance 310")
     assert shown["wheel front right"] == ("kept", "LR 3 · by balance 402")
-    assert shown["sensor chain"] == ("lit", "LR 25 · by balance 22")
+    assert shown["sensor chain"] == ("lit", "LR 45 · by balance 52")
     assert shown["brake rear right"] == ("unseen", "not seen in this data")
 
 

@@ -2,10 +2,21 @@
 
 import numpy as np
 import pytest
+from linear_car import LinearCar, effect
 from scipy.optimize import minimize_scalar
 from scipy.stats import multivariate_normal
 
-from model_diagnosis.evidence.localise import EquationErrors, block_diagonal, violated_equations, violation
+from model_diagnosis.evidence.fitting import Problem
+from model_diagnosis.evidence.localise import (
+    EquationErrors,
+    block_diagonal,
+    violated_by_innovations,
+    violated_equations,
+    violation,
+)
+from model_diagnosis.evidence.priors import Priors
+from model_diagnosis.evidence.whitening import sensor_whitener
+from model_diagnosis.replay.disturbances import ErrorAnswers
 
 
 def test_violation_is_the_largest_likelihood_of_a_gaussian_with_the_error_in_its_covariance() -> None:
@@ -23,6 +34,47 @@ def test_violation_is_the_largest_likelihood_of_a_gaussian_with_the_error_in_its
     found = violation(answers.T @ residual, answers.T @ answers)
     assert found.likelihood_ratio == pytest.approx(2.0 * (-best.fun - nothing), rel=1e-3)
     assert found.std == pytest.approx(np.exp(0.5 * best.x), rel=0.02)
+
+
+def test_a_share_that_all_manoeuvres_have_in_common_is_one_error_beside_the_scatter_of_the_numbers() -> None:
+    """Against scipy's density of N(0, I + J D J' + q s s'), s an error of 0.05 of levels 1, 2 and 4 in one vector.
+
+    A constant beside it and a draw for each manoeuvre would cost more numbers.
+    """
+    rng = np.random.default_rng(4)
+    levels = np.array([1.0, 2.0, 4.0])
+    car = LinearCar([effect("scattered", 2, nuisance=0.05)], np.array([0.04, -0.06]), 4, len(levels), samples=60)
+    answers = [rng.standard_normal((60, 3, 2)) for _ in levels]
+    for manoeuvre, answer, level in zip(car.manoeuvres, answers, levels, strict=True):
+        for column, name in enumerate(car.signals(0)):
+            manoeuvre.channels[name] = manoeuvre.channels[name] + 0.05 * level * answer[:, column, 1]
+    problem = Problem(car, Priors.of(car.parameters), sensor_whitener(car))
+    linearisation = problem.linearise(np.zeros(2))
+
+    def told(m: int) -> dict[str, ErrorAnswers]:
+        return {"share": ErrorAnswers(("constant", "torque"), np.array([1.0, levels[m]]), answers[m])}
+
+    found = violated_by_innovations(problem, linearisation, np.zeros(2), told)["share"]
+
+    root_weights = [np.sqrt(weight) for weight in linearisation.weights]
+    residual = np.concatenate([w * r for w, r in zip(root_weights, problem.rows(np.zeros(2)), strict=True)])
+    matrix = np.concatenate([w[:, None] * m for w, m in zip(root_weights, linearisation.matrices, strict=True)])
+    error = np.concatenate(
+        [
+            w * level * problem.whitener.whitened(m, answers[m])[:, 1]
+            for m, (w, level) in enumerate(zip(root_weights, levels, strict=True))
+        ]
+    )
+    scatter = matrix @ np.diag((problem.priors.nuisance / problem.scale) ** 2) @ matrix.T
+
+    def log_density(share: float) -> float:
+        covariance = np.eye(len(residual)) + scatter + share**2 * np.outer(error, error)
+        return float(multivariate_normal(np.zeros(len(residual)), covariance).logpdf(residual))
+
+    best = minimize_scalar(lambda share: -log_density(share), bounds=(0.0, 0.5), method="bounded")
+    assert best.x == pytest.approx(0.05, rel=0.1)
+    assert found.likelihood_ratio == pytest.approx(2.0 * (-best.fun - log_density(0.0)), rel=1e-3)
+    assert found.std == pytest.approx(best.x * np.sqrt(np.mean(levels**2)), rel=0.01)
 
 
 def test_without_an_error_the_ratio_is_zero_in_half_of_all_cases_and_small_in_the_others() -> None:
