@@ -192,7 +192,7 @@ def read(logs: Sequence[str], vehicle: VehicleFile, channel_map: ChannelMap | No
             recording = recording_of(log)
             if recording is None:
                 raise _needs_map(log)
-            path, own_map = as_log(recording, Path(folder))
+            path, own_map = as_log(recording, Path(folder), vehicle.sensors.wheel_speed.teeth)
             manoeuvres += read_manoeuvres([path], own_map, vehicle)
     return manoeuvres
 

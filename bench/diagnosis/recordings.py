@@ -60,8 +60,10 @@ def recording_of(log: str) -> Path | None:
         return None
 
 
-def as_log(recording: Path, folder: Path) -> tuple[Path, ChannelMap]:
+def as_log(recording: Path, folder: Path, teeth: int) -> tuple[Path, ChannelMap]:
     """Write the bus signals of a recording into an MF4 log of its own; its path, and the map that reads it.
+
+    ``teeth`` are those of the car's tone rings, from whose edges all wheel speeds of the bus come.
 
     Raises
     ------
@@ -83,7 +85,10 @@ def as_log(recording: Path, folder: Path) -> tuple[Path, ChannelMap]:
             times, values = _samples(opened, signal)
             mdf.append(Mf4Signal(values, times, name=signal, unit=opened.units.get(signal, "1")))
         mdf.save(path, overwrite=True)
-    return path, ChannelMap(file_format="mf4", channels={signal: Channel(source=signal) for signal in present})
+    channels = {
+        signal: Channel(source=signal, teeth=teeth if signal.startswith("wheel_speed_") else None) for signal in present
+    }
+    return path, ChannelMap(file_format="mf4", channels=channels)
 
 
 def _valves_worked(recording: RunArrays) -> bool:

@@ -106,12 +106,16 @@ def _manoeuvres(drive: Drive, vehicle: VehicleFile, origin_s: float) -> list[Man
         phases = {name: phase for name, phase in known.items() if phase is not None}
         taken = {name: own[name].values for name in phases}
         measured = {name: own[name].weights for name in phases}
+        on_time = {
+            name: np.where(np.abs((values | taken)[name]) < drive.channels[name].slowest_on_time_rad_s, 0.0, series)
+            for name, series in (weights | measured).items()
+        }
         made.append(
             Manoeuvre(
                 name=drive.name if len(stretches) == 1 else f"{drive.name} {time[begin] - time[0]:.1f} s",
                 time=SAMPLE_TIME_S * np.arange(end - begin, dtype=np.float64),
                 channels={name: series[begin:end] for name, series in (values | taken).items()},
-                weights={name: series[begin:end] for name, series in (weights | measured).items()},
+                weights={name: series[begin:end] for name, series in on_time.items()},
                 source=f"{', '.join(drive.loggers)}, {time[begin]:.2f} s to {time[end - 1]:.2f} s",
                 origins=origins,
                 start_s=float(time[begin]) - origin_s,

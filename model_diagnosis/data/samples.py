@@ -16,6 +16,9 @@ from vehicle_model.vehicle_file import VehicleFile
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+LATE_S = 0.005
+"""Time from tooth to tooth above which a wheel's speed counts no more: by the next one it is another."""
+
 
 @dataclass(frozen=True)
 class Samples:
@@ -31,6 +34,7 @@ class Samples:
     logger : file name
     message : CAN message, "" where the log has none
     restored : samples whose CAN frame an export had cut short and that reading completed
+    teeth : of the tone ring that times a wheel's speed; None where the map tells none
     """
 
     name: str
@@ -42,6 +46,7 @@ class Samples:
     logger: str
     message: str = ""
     restored: int = 0
+    teeth: int | None = None
 
     @property
     def origin(self) -> str:
@@ -55,6 +60,11 @@ class Samples:
     def masked(self, wrong: BoolArray) -> "Samples":
         """The same with the samples of ``wrong`` (n,) marked as no measurement."""
         return replace(self, valid=self.valid & ~wrong)
+
+    @property
+    def slowest_on_time_rad_s(self) -> float:
+        """Speed [rad/s] below which a tooth passes in more than ``LATE_S``; 0 without teeth."""
+        return 0.0 if self.teeth is None else 2.0 * np.pi / (self.teeth * LATE_S)
 
     def period_s(self) -> float:
         """Usual distance of two samples that carry a number [s]; 0 with fewer than two."""
@@ -113,13 +123,26 @@ def _samples(
     return Samples(
         name=name,
         unit=channel_units()[name],
-        time=time - channel.delay_s,
+        time=time - channel.delay_s - (0.0 if channel.teeth is None else _tooth_age_s(converted, channel.teeth)),
         values=np.where(np.isfinite(converted), converted, np.nan),
         valid=np.isfinite(converted),
         source=channel.source,
         logger=path.name,
+        teeth=channel.teeth,
         message=channel.source.split(".", 1)[0] if can_log and "." in channel.source else "",
     )
+
+
+def _tooth_age_s(wheel_speed: FloatArray, teeth: int) -> FloatArray:
+    """Mean age (n,) of the last tooth, half a tooth at this speed [rad/s]; at most half of ``LATE_S``.
+
+    A speed that is timed between teeth is late by this and by something constant. The former changes with the speed, as
+    no constant lag does: a wheel that comes back from deep slip seems to stay there, as on a tyre that loses more by
+    sliding.
+    """
+    slowest = 2.0 * np.pi / (teeth * LATE_S)
+    age: FloatArray = np.pi / (teeth * np.fmax(np.abs(wheel_speed), slowest))
+    return age
 
 
 def missing_channels(

@@ -52,6 +52,12 @@ class Channel(FileModel):
     scale: float = Field(default=1.0, description="factor on the value in the log's unit")
     sign: Literal[1, -1] = Field(default=1, description="-1 where the log counts the other way (ours: ISO 8855)")
     delay_s: float = parameter("s", 0.0, low=-10.0, high=10.0, description="how much the log is late with it")
+    teeth: int | None = Field(
+        default=None,
+        ge=4,
+        le=512,
+        description="of a wheel's tone ring: a diagnosis takes half a tooth off its times, and trusts no tooth of 5 ms",
+    )
 
 
 class ChannelMap(FileModel):
@@ -79,6 +85,8 @@ def _fault(name: str, channel: Channel) -> FieldError | None:
     units = channel_units()
     if name not in units:
         return FieldError("no signal of this name", at=("channels", name), nearest=nearest_name(name, list(units)))
+    if channel.teeth is not None and not name.startswith("wheel_speed_"):
+        return FieldError("no wheel's speed has teeth here", at=("channels", name, "teeth"), allowed="of wheel_speed_*")
     if channel.unit is None or _converts(channel.unit, units[name]) or is_rim_speed(name, channel):
         return None
     allowed = f"{units[name]} and its multiples" + (", or a speed" if name.startswith("wheel_speed_") else "")

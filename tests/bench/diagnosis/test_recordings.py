@@ -22,9 +22,12 @@ PERIODS = {
 }
 
 
+TEETH = 48
+
+
 @pytest.fixture(scope="module")
 def log(healthy_drive: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, object]:
-    return as_log(healthy_drive, tmp_path_factory.mktemp("log"))
+    return as_log(healthy_drive, tmp_path_factory.mktemp("log"), TEETH)
 
 
 @pytest.mark.parametrize(("signal", "period"), PERIODS.items())
