@@ -207,6 +207,7 @@ def test_the_best_precision_is_that_of_least_squares_with_the_others_scatter(
     assert size_std(truth) < 0.2  # of an ABS stop alone
 
 
+@pytest.mark.nightly
 def test_the_best_precision_is_told_over_the_physical_value() -> None:
     """A leak of some 1e-14 m^3/s/Pa is drawn in cm^3/s at 100 bar; a healthy brake has none."""
     case = next(one for one in _singles(7) if one.draw.effects[0].effect.name == "hydraulic_leak")

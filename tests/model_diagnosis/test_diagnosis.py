@@ -10,6 +10,7 @@ from model_diagnosis.evidence.manoeuvre_library import LIBRARY
 from model_diagnosis.findings import Findings
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay import Replay
+from model_diagnosis.replay.disturbances import ALIKE
 from signals.errors import InputError
 from signals.wheels import WHEELS
 from vehicle_model import load_vehicle
@@ -58,6 +59,10 @@ def test_worn_pads_are_named_or_in_the_group_of_what_looks_the_same(worn_pads: F
     cause = worn_pads.diagnosis.causes[0]
     assert "brake_pad_friction" in cause.group
     assert worn_pads.diagnosis.verdict in ("effect_found", "indistinguishable")
+
+
+def test_the_brakes_of_both_axles_are_the_most_violated_equation(worn_pads: Findings) -> None:
+    assert next(iter(worn_pads.diagnosis.guilty_by_innovations)) == ALIKE
 
 
 def test_worn_pads_are_the_only_cause(worn_pads: Findings) -> None:

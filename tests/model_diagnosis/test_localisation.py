@@ -22,14 +22,15 @@ SIX = ("abs_stop", "accelerate_and_brake", "brake_in_turn", "coast", "gentle_sto
 """With fewer manoeuvres, or without effects that are off in every car, neighbours of the guilty equation are lit."""
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("seed", "hidden", "guilty"),
     [
         (101, ("wheel_brake_weak", -0.25, 2), "wheel torque rl"),
-        pytest.param(110, ("brake_pad_friction", -0.25, 0), ALIKE, marks=pytest.mark.nightly),
-        pytest.param(102, ("road_grade", 0.02, 0), "longitudinal force", marks=pytest.mark.nightly),
-        pytest.param(103, ("gyro_offset", 0.008, 0), "sensor yaw_rate", marks=pytest.mark.nightly),
-        pytest.param(105, None, None, marks=pytest.mark.nightly),
+        (110, ("brake_pad_friction", -0.25, 0), ALIKE),
+        (102, ("road_grade", 0.02, 0), "longitudinal force"),
+        (103, ("gyro_offset", 0.008, 0), "sensor yaw_rate"),
+        (105, None, None),
     ],
     ids=["brake of one wheel", "all pads", "grade", "offset of the gyroscope", "clean"],
 )

@@ -36,6 +36,7 @@ FIRST_ANSWER_S = PATIENCE_S / 2
 """Where an ECU does not answer, the bench says so before the test's own patience ends."""
 LONGEST_SILENCE_S = PATIENCE_S / 4
 """That kernel has one core for all, on a machine that has other work too: an ECU may wait its turn for seconds."""
+NO_LENGTH_OF_OURS = 7
 DATABASE = cantools.database.load_file(str(shipped_database()))
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 
@@ -136,8 +137,18 @@ def test_lock_step_equals_the_controller_in_process(in_process: bench.Run, tmp_p
 
 
 def test_lock_step_with_cangen_on_the_bus(in_process: bench.Run) -> None:
-    """Random frames of every length and identifier: only the bus load differs."""
-    with running("cangen", "vcan0", "-g", "3", "-i", "-I", "r", "-L", "r"):
+    """Random frames that cannot be ours: only the bus load differs.
+
+    Among random frames of every length and identifier are some with an identifier and length of ours: with a wrong
+    checksum a fault that an ECU has to count, with a right one (one frame in 300 000) a message that it has to believe.
+    The slower the machine, the more of them come in a millisecond of virtual time.
+    """
+    assert all(message.length != NO_LENGTH_OF_OURS for message in DATABASE.messages)
+    extended, ours = ("-e", "-L", "r"), ("-L", str(NO_LENGTH_OF_OURS))
+    with (
+        running("cangen", "vcan0", "-g", "5", "-i", "-I", "r", *extended),
+        running("cangen", "vcan0", "-g", "5", "-i", "-I", "r", *ours),
+    ):
         run = lockstep()
     assert (run.frames["sender"] == FOREIGN).sum() > 100
     assert run.verdict.timing["frames_unknown"] > 100

@@ -61,7 +61,7 @@ def copy_of_the_sources(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("variable", ["XDG_CACHE_HOME", "NUMBA_CACHE_DIR"])
+@pytest.mark.parametrize("variable", [pytest.param("XDG_CACHE_HOME", marks=pytest.mark.nightly), "NUMBA_CACHE_DIR"])
 def test_a_changed_callee_in_another_file_is_noticed(copy_of_the_sources: Path, variable: str) -> None:
     """Also where the user, or another program in the same process, has said where compiled code is kept."""
     folder = copy_of_the_sources

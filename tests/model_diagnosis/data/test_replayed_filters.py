@@ -38,9 +38,9 @@ def test_a_filter_is_named_and_nothing_beside_it(
 @pytest.mark.parametrize(
     ("seed", "effect"),
     [
-        (311, ("caliper_lag", 0.07, 0)),
+        pytest.param(311, ("caliper_lag", 0.07, 0), marks=pytest.mark.nightly),
         (312, ("pressure_sensor_lag", 0.03, 0)),
-        (313, ("tyre_relaxation_length", 0.6, 0)),
+        pytest.param(313, ("tyre_relaxation_length", 0.6, 0), marks=pytest.mark.nightly),
     ],
     ids=["slow calipers", "slow pressure sensors", "long relaxation"],
 )
