@@ -17,7 +17,8 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 LATE_S = 0.005
-"""Time from tooth to tooth above which a wheel's speed counts no more: by the next one it is another."""
+"""Time from tooth to tooth above which a wheel's speed counts no more: the usual period of its frames, within which a
+sensor sees no tooth then."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ class Samples:
     @property
     def slowest_on_time_rad_s(self) -> float:
         """Speed [rad/s] below which a tooth passes in more than ``LATE_S``; 0 without teeth."""
-        return 0.0 if self.teeth is None else 2.0 * np.pi / (self.teeth * LATE_S)
+        return 0.0 if self.teeth is None else _slowest_on_time_rad_s(self.teeth)
 
     def period_s(self) -> float:
         """Usual distance of two samples that carry a number [s]; 0 with fewer than two."""
@@ -140,9 +141,12 @@ def _tooth_age_s(wheel_speed: FloatArray, teeth: int) -> FloatArray:
     no constant lag does: a wheel that comes back from deep slip seems to stay there, as on a tyre that loses more by
     sliding.
     """
-    slowest = 2.0 * np.pi / (teeth * LATE_S)
-    age: FloatArray = np.pi / (teeth * np.fmax(np.abs(wheel_speed), slowest))
+    age: FloatArray = np.pi / (teeth * np.fmax(np.abs(wheel_speed), _slowest_on_time_rad_s(teeth)))
     return age
+
+
+def _slowest_on_time_rad_s(teeth: int) -> float:
+    return 2.0 * np.pi / (teeth * LATE_S)
 
 
 def missing_channels(

@@ -144,11 +144,8 @@ def test_lock_step_with_cangen_on_the_bus(in_process: bench.Run) -> None:
     The slower the machine, the more of them come in a millisecond of virtual time.
     """
     assert all(message.length != NO_LENGTH_OF_OURS for message in DATABASE.messages)
-    extended, ours = ("-e", "-L", "r"), ("-L", str(NO_LENGTH_OF_OURS))
-    with (
-        running("cangen", "vcan0", "-g", "5", "-i", "-I", "r", *extended),
-        running("cangen", "vcan0", "-g", "5", "-i", "-I", "r", *ours),
-    ):
+    strangers = ("cangen", "vcan0", "-g", "5", "-i", "-I", "r", "-L")
+    with running(*strangers, "r", "-e"), running(*strangers, str(NO_LENGTH_OF_OURS)):
         run = lockstep()
     assert (run.frames["sender"] == FOREIGN).sum() > 100
     assert run.verdict.timing["frames_unknown"] > 100

@@ -12,7 +12,8 @@ GENTLE = 0
 def test_a_share_of_all_brake_torques_is_the_friction_of_the_pads(replay: Replay) -> None:
     """T_b = 2 mu r A p: so many percent of the pads' friction are as many of both axles' torques; more of it slows.
 
-    What a torque lifts through the links of an axle is in the pads' answer only: loads differ, wheels slip by it.
+    What a torque lifts through the links of an axle is in the pads' answer only: loads differ, and wheels slip by it.
+    Speed and acceleration are 2 and 3 % apart so, the speeds of front and rear wheels 16 and 4 %.
     """
     theta = np.zeros(len(replay.columns))
     pads = replay.columns.index("brake_pad_friction.factor")
