@@ -76,6 +76,7 @@ def page_of(findings: Findings) -> str:
         "maps": residual_maps(findings, signals),
         "house": house_of_equations(diagnosis.guilty_equations, diagnosis.guilty_by_innovations),
         "violated": _violated(diagnosis),
+        "lit_from": number(LIT_RATIO, 3),
         "outside": [(plain(name), number(ratio, 3)) for name, ratio in outside(diagnosis.guilty_equations)],
         "causes": [_cause(cause) for cause in diagnosis.causes],
         "faults": [_fault(fault) for fault in diagnosis.data_faults],

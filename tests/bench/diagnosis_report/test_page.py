@@ -173,6 +173,10 @@ def test_brightness_grows_with_the_likelihood_ratio() -> None:
     ]
 
 
+def test_the_page_says_from_which_ratio_on_a_room_is_lit(findings: Findings) -> None:
+    assert f"replay, from {LEAST_RATIO:g} on" in page_of(findings)
+
+
 def test_no_likelihood_ratios_no_house() -> None:
     assert house_of_equations({}) == ""
 
