@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from signals.errors import InputError
 from signals.measured.channel_map import Channel, ChannelMap, channel_units
-from signals.measured.measured_log import detect_format, in_si, log_names, read_sources
+from signals.measured.measured_log import format_of, holds_frames, in_si, log_names, read_sources
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -93,8 +93,7 @@ def read_samples(path: str | Path, channel_map: ChannelMap, vehicle: VehicleFile
         raise InputError(f"{path}: the channel map names no channel")
     restored: dict[str, int] = {}
     raw = read_sources(path, channel_map, missing_ok=True, restored=restored)
-    kind = _kind(path, channel_map)
-    can_log = kind in ("blf", "asc", "candump") or (kind == "mf4" and channel_map.dbc is not None)
+    can_log = holds_frames(format_of(path, channel_map), channel_map)
     return {
         name: replace(
             _samples(path, name, channel, raw[channel.source], vehicle, can_log),
@@ -103,10 +102,6 @@ def read_samples(path: str | Path, channel_map: ChannelMap, vehicle: VehicleFile
         for name, channel in channel_map.channels.items()
         if channel.source in raw
     }
-
-
-def _kind(path: Path, channel_map: ChannelMap) -> str:
-    return detect_format(path) if channel_map.file_format == "auto" else channel_map.file_format
 
 
 def _samples(

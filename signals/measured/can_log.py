@@ -1,6 +1,8 @@
 """Signals of a CAN log (BLF, ASC, candump, MF4 bus logging) decoded with a DBC."""
 
-from collections.abc import Sequence
+import gzip
+import importlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -8,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from signals.errors import InputError
+from signals.measured.channel_map import FileFormat
 from signals.measured.raw_channels import RawChannels, missing_channel
 
 
@@ -36,6 +39,7 @@ class _Message:
 
 def read_can_log(
     path: Path,
+    kind: FileFormat,
     sources: Sequence[str],
     dbc: str | None,
     *,
@@ -62,7 +66,7 @@ def read_can_log(
     wanted = _wanted_messages(path, sources, _load_database(dbc), dbc)
     times: dict[str, list[float]] = {source: [] for source in sources}
     values: dict[str, list[float]] = {source: [] for source in sources}
-    for frame in _frames(path):
+    for frame in _frames(path, kind):
         message = wanted.get((frame.arbitration_id, frame.is_extended_id))
         if message is None or frame.is_error_frame or frame.is_remote_frame:
             continue
@@ -109,16 +113,36 @@ def _wanted_messages(path: Path, sources: Sequence[str], database: Any, dbc: str
     return wanted
 
 
-def _frames(path: Path) -> Any:
+def _frames(path: Path, kind: FileFormat) -> Iterator[Any]:
+    reader = _mf4_reader() if kind == "mf4" else _reader(kind)
+    try:
+        with reader(_opened(path, kind)) as frames:
+            yield from frames
+    except Exception as error:
+        reason = (str(error) or type(error).__name__).splitlines()[0]
+        raise InputError(f"{path}: not a readable CAN log ({reason})") from error
+
+
+def _opened(path: Path, kind: FileFormat) -> Any:
+    is_packed = path.suffix.lower() == ".gz"
+    if kind in ("asc", "candump"):  # comments of an ASC file are of any code page
+        return (gzip.open if is_packed else open)(path, "rt", encoding="utf-8", errors="replace")
+    return gzip.open(path, "rb") if is_packed else path
+
+
+def _reader(kind: FileFormat) -> Any:
     import can
 
-    try:
-        with can.LogReader(path, **({"relative_timestamp": True} if path.suffix == ".asc" else {})) as reader:
-            yield from reader
-    except InputError:
-        raise
-    except Exception as error:
-        raise InputError(f"{path}: not a readable CAN log ({str(error).splitlines()[0]})") from error
+    return {"blf": can.BLFReader, "asc": can.ASCReader, "candump": can.CanutilsLogReader}[kind]
+
+
+def _mf4_reader() -> Any:
+    """python-can's reader of MF4, which a process that wants python-can fast has imported without its asammdf."""
+    import can.io.mf4
+
+    if can.io.mf4.asammdf is None:
+        importlib.reload(can.io.mf4)
+    return can.io.mf4.MF4Reader
 
 
 def _decode(

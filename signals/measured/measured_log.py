@@ -122,16 +122,19 @@ def detect_format(path: Path) -> FileFormat:
     Raises
     ------
     InputError
-        If neither says.
+        If the file is empty, or neither says.
     """
     with path.open("rb") as file:
         head = file.read(8)
+    if not head:
+        raise InputError(f"{path}: the file is empty")
     by_content: dict[bytes, FileFormat] = {b"MDF ": "mf4", b"UnFi": "mf4", b"LOGG": "blf", b"PAR1": "parquet"}
     found = by_content.get(head[:4])
     if found is not None:
         return found
     suffixes: dict[str, FileFormat] = {
-        ".csv": "csv", ".txt": "csv", ".asc": "asc", ".log": "candump", ".mf4": "mf4", ".parquet": "parquet",
+        ".csv": "csv", ".txt": "csv", ".blf": "blf", ".asc": "asc", ".log": "candump", ".mf4": "mf4",
+        ".parquet": "parquet",
     }  # fmt: skip
     suffix = Path(path.name.lower().removesuffix(".gz")).suffix
     if suffix not in suffixes:
@@ -147,7 +150,7 @@ def log_names(path: Path, channel_map: ChannelMap) -> list[str]:
     InputError
         If the log or its database cannot be read.
     """
-    kind = _format(path, channel_map)
+    kind = format_of(path, channel_map)
     if kind == "csv":
         from signals.measured.tables import csv_names
 
@@ -156,7 +159,7 @@ def log_names(path: Path, channel_map: ChannelMap) -> list[str]:
         from signals.measured.tables import parquet_names
 
         return parquet_names(path)
-    if kind == "mf4" and channel_map.dbc is None:
+    if not holds_frames(kind, channel_map):
         from signals.measured.mf4_log import mf4_names
 
         return mf4_names(path)
@@ -165,8 +168,14 @@ def log_names(path: Path, channel_map: ChannelMap) -> list[str]:
     return can_names(channel_map.dbc) if channel_map.dbc is not None else []
 
 
-def _format(path: Path, channel_map: ChannelMap) -> FileFormat:
+def format_of(path: Path, channel_map: ChannelMap) -> FileFormat:
+    """Format of a log: the map's, else :func:`detect_format`."""
     return detect_format(path) if channel_map.file_format == "auto" else channel_map.file_format
+
+
+def holds_frames(kind: FileFormat, channel_map: ChannelMap) -> bool:
+    """True where a log of this format is one of CAN frames; an MF4 is, if the map names a database."""
+    return kind in ("blf", "asc", "candump") or (kind == "mf4" and channel_map.dbc is not None)
 
 
 def read_sources(
@@ -183,7 +192,7 @@ def read_sources(
         sources = [s for s in sources if s in offered or s.rpartition("#")[0] in offered]
         if not sources:
             return {}
-    kind = _format(path, channel_map)
+    kind = format_of(path, channel_map)
     if kind == "csv":
         from signals.measured.tables import read_csv
 
@@ -192,13 +201,13 @@ def read_sources(
         from signals.measured.tables import read_parquet
 
         return read_parquet(path, sources, channel_map.clock)
-    if kind == "mf4" and channel_map.dbc is None:
+    if not holds_frames(kind, channel_map):
         from signals.measured.mf4_log import read_mf4_log
 
         return read_mf4_log(path, sources)
     from signals.measured.can_log import read_can_log
 
-    return read_can_log(path, sources, channel_map.dbc, missing_ok=missing_ok, restored=restored)
+    return read_can_log(path, kind, sources, channel_map.dbc, missing_ok=missing_ok, restored=restored)
 
 
 def _channel(

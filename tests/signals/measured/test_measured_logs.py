@@ -1,6 +1,9 @@
 """Foreign logs of every kind: the same channels, units, signs and delays come out of each."""
 
 import gzip
+import subprocess
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import can
@@ -81,6 +84,12 @@ def write_can(path: Path) -> None:
             log(can.Message(timestamp=1.79e9 + t, arbitration_id=0x256, data=b"\x01", is_extended_id=False))
 
 
+def write_packed(path: Path, write: Callable[[Path], None]) -> None:
+    plain = path.with_suffix("")
+    write(plain)
+    path.write_bytes(gzip.compress(plain.read_bytes()))
+
+
 WRITERS = {
     "plain.csv": write_csv,
     "packed.csv.gz": write_csv,
@@ -94,6 +103,8 @@ WRITERS = {
     "log.blf": write_can,
     "log.asc": write_can,
     "log.log": write_can,
+    "packed.asc.gz": lambda path: write_packed(path, write_can),
+    "bus.mf4": write_can,
 }
 
 
@@ -101,7 +112,7 @@ WRITERS = {
 def test_every_format_gives_the_same_signals(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
     WRITERS[name](path)
-    is_can = path.suffix in (".blf", ".asc", ".log")
+    is_can = WRITERS[name] is write_can or name == "packed.asc.gz"
     (tmp_path / "car.dbc").write_text(DBC)
     chosen = channel_map(SIGNALS, dbc=str(tmp_path / "car.dbc")) if is_can else channel_map()
     log = read_log(path, chosen, wheel_radius_m=RADIUS)
@@ -175,7 +186,7 @@ def test_one_mf4_name_in_two_groups_needs_its_group(tmp_path: Path) -> None:
         ("t,v\n0,1\n1,2\n0.5,3\n", "runs backwards after sample 2"),
         ("t,speed\n0,1\n1,2\n", "did you mean"),
         ("t,v\n0,\n1,nan\n", "holds no numbers"),
-        ("", "no header"),
+        ("", "is empty"),
         ("only words\nno numbers\n", "no header"),
         ("t,v\n0,1\n1,two\n", "not a table of numbers"),
         ("t,v\n0,1\n,2\n", "gaps"),
@@ -197,7 +208,9 @@ def test_broken_tables_end_in_one_message(tmp_path: Path, content: str, message:
         ("a.mf4", b"MDF     garbage", "not a readable MF4"),
         ("a.blf", b"LOGG", "not a readable CAN log"),
         ("a.parquet", b"PAR1xxxx", "not a readable Parquet"),
+        ("b.blf", b"no such thing", "not a readable CAN log"),
         ("a.xyz", b"12345678", "unknown kind of log"),
+        ("a.blf", b"", "is empty"),
     ],
 )
 def test_broken_files_end_in_one_message(tmp_path: Path, name: str, content: bytes, message: str) -> None:
@@ -275,6 +288,39 @@ def test_format_by_content_beats_the_name(tmp_path: Path) -> None:
     write_mf4(tmp_path / "log.mf4")
     (tmp_path / "log.mf4").rename(tmp_path / "log.csv")
     assert detect_format(tmp_path / "log.csv") == "mf4"
+
+
+def test_a_format_that_is_said_beats_the_name(tmp_path: Path) -> None:
+    write_can(tmp_path / "log.asc")
+    (tmp_path / "log.asc").rename(tmp_path / "log.dat")
+    (tmp_path / "car.dbc").write_text(DBC)
+    chosen = channel_map(SIGNALS, dbc=str(tmp_path / "car.dbc"), file_format="asc")
+    assert len(read_log(tmp_path / "log.dat", chosen, wheel_radius_m=RADIUS).channels["speed"].values) == len(TIME)
+
+
+def test_comments_of_an_asc_file_are_of_any_code_page(tmp_path: Path) -> None:
+    write_can(tmp_path / "log.asc")
+    (tmp_path / "car.dbc").write_text(DBC)
+    header, rest = (tmp_path / "log.asc").read_bytes().split(b"Begin", 1)
+    (tmp_path / "log.asc").write_bytes(header + "// Prüfstand\r\nBegin".encode("cp1252") + rest)
+    log = read_log(tmp_path / "log.asc", channel_map(SIGNALS, dbc=str(tmp_path / "car.dbc")), wheel_radius_m=RADIUS)
+    assert len(log.channels["speed"].values) == len(TIME)
+
+
+def test_bus_logging_of_mf4_is_read_beside_the_bench_s_own_links(tmp_path: Path) -> None:
+    """They import python-can without asammdf, which its reader of MF4 needs."""
+    write_can(tmp_path / "log.mf4")
+    (tmp_path / "car.dbc").write_text(DBC)
+    (tmp_path / "map.yaml").write_text("dbc: car.dbc\nchannels:\n  speed: {source: MOTION.SPEED, unit: km/h}\n")
+    code = (
+        "import sys; import bench.links.python_can_library\n"
+        "from signals.measured.channel_map import load_channel_map\n"
+        "from signals.measured.measured_log import read_log\n"
+        "print(len(read_log(sys.argv[1], load_channel_map(sys.argv[2])).channels['speed'].values))"
+    )
+    arguments = [sys.executable, "-c", code, tmp_path / "log.mf4", tmp_path / "map.yaml"]
+    result = subprocess.run(arguments, capture_output=True, text=True, check=True)
+    assert int(result.stdout) == len(TIME)
 
 
 def shared_data() -> Path:
