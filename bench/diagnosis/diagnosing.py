@@ -14,6 +14,7 @@ from typing import Any
 
 from bench.diagnosis.recordings import as_log, car_of, recording_of
 from bench.verdict.output_files import replace_file
+from model_diagnosis.data.repeated import refuse_repeats
 from model_diagnosis.findings import Findings
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.rating import ratings_of
@@ -141,6 +142,7 @@ def find(
     car = load_vehicle(name)
     searched = read(logs, car, channel_map)
     held_out = read(hold_out, car, channel_map) if hold_out else None
+    refuse_repeats([*searched, *(held_out or ())])
     from model_diagnosis.diagnosis import (
         diagnose as diagnose_manoeuvres,  # compiles: what cannot be read is told before
     )

@@ -12,6 +12,7 @@ from rich.table import Table
 from bench.diagnosis.diagnosing import Progress, car_name, read
 from bench.diagnosis_report.words import plain, signal_words
 from bench.report.formatting import number
+from model_diagnosis.data.repeated import refuse_repeats
 from signals.measured.channel_map import load_channel_map
 from vehicle_model.vehicle_file import VehicleFile, load_vehicle
 
@@ -69,6 +70,7 @@ def fit(
     name = car_name(logs, vehicle, channel_map)
     car = load_vehicle(name)
     manoeuvres = read(logs, car, channel_map)
+    refuse_repeats(manoeuvres)
     from model_diagnosis.vehicle_fit import fit_vehicle
 
     result = fit_vehicle(manoeuvres, car, progress)
