@@ -124,6 +124,35 @@ def logs(
     finish(written.exit_code)
 
 
+@app.command("map")
+def suggest_map(
+    logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="Logs that nobody has mapped yet.")],
+    vehicle: Annotated[
+        str, typer.Option(metavar="NAME|FILE", help="Car: units are told by its radii, steering and brakes.")
+    ],
+    dbc: Annotated[Path | None, typer.Option(metavar="FILE", help="Database of CAN logs.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Default: LOG_channels.yaml.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Suggest a channel map: which column is which signal, by its name, unit, sign and the way it goes.
+
+    Wheel speeds, accelerations, yaw rate, steering and pressures measure one motion: by that a column in degrees, or
+    one that counts the other way, is found, and columns whose names say nothing. Every line of the file tells why.
+
+    Example: bench diagnose map stops.csv --vehicle car.yaml --out map.yaml
+    """
+    from bench.diagnosis.channel_mapping import print_map, suggest
+    from bench.diagnosis.progress import SearchProgress
+    from bench.report.summary import output_console
+
+    with SearchProgress(quiet=as_json) as progress:
+        written = suggest(logs, vehicle, dbc, out, progress)
+    if as_json:
+        print_json(written.as_json())
+    else:
+        print_map(written, logs, vehicle, output_console())
+
+
 @app.command("explain")
 def explain(
     effect: Annotated[

@@ -275,5 +275,5 @@ def _needs_map(log: str) -> InputError:
         return InputError(f"{log}: no such log and no such run", mend="runs: bench runs")
     return InputError(
         f"{log}: not recorded by the bench",
-        mend="say which column is which signal: --channels FILE (docs/diagnosis.md shows one)",
+        mend=f"say which column is which signal: --channels FILE; bench diagnose map {log} --vehicle CAR suggests one",
     )

@@ -1,47 +1,48 @@
 """Suggestions for a channel map: which column is which of our signals, by its name, unit, sign and correlation.
 
-Names come first; the kinematic twins then say unit and sign, and find columns whose names tell nothing.
+Names come first. The kinematic twins then say unit and sign where the log does not, or not rightly, and find columns
+whose names tell nothing.
 """
 
-import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from model_diagnosis.data.channel_names import plain_name, signals_by_name, unit_of
 from model_diagnosis.data.drives import Drive
-from model_diagnosis.data.geometry import geometry_of
+from model_diagnosis.data.geometry import Geometry, geometry_of
 from model_diagnosis.data.grid import on_grid
 from model_diagnosis.data.lags import find_lag
+from model_diagnosis.data.reading import check_samples
 from model_diagnosis.data.samples import FloatArray, read_samples
 from model_diagnosis.data.twins import Motion, members, slope, twins_of
-from model_diagnosis.data.unit_checks import explain, relations_of
+from model_diagnosis.data.unit_checks import Wrong, explain, relations_of
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from signals.errors import InputError
-from signals.measured.channel_map import Channel, ChannelMap, channel_units
-from signals.measured.measured_log import log_names
-from signals.units import parse_unit
+from signals.measured.channel_map import Channel, ChannelMap, Clock, channel_units
+from signals.measured.measured_log import format_of, holds_frames, log_names, log_units, read_named
+from signals.quantities import to_si
+from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
 _SURE = 0.95
-_WHEEL_WORDS = {"fl": r"(fl|lf|front_?left|vl)", "fr": r"(fr|rf|front_?right|vr)", "rl": r"(rl|lr|rear_?left|hl)",
-                "rr": r"(rr|rear_?right|hr)"}  # fmt: skip
-_PATTERNS: list[tuple[str, str]] = [
-    *((f"wheel_speed_{w}", rf"(wheel|whl|rad|omega|ws).*{word}($|_)") for w, word in _WHEEL_WORDS.items()),
-    *((f"brake_pressure_{w}", rf"(brake|press|pbrk|p_).*{word}($|_)") for w, word in _WHEEL_WORDS.items()),
-    ("master_pressure", r"(master|mcp|tmc|brake_?ped|brake_?press|hauptzyl)"),
-    ("yaw_rate", r"(yaw_?r|gyro_?z|psi_?p|gier|^omega$|_r$)"),
-    ("yaw_angle", r"(yaw|heading|^phi$|^psi$)"),
-    ("longitudinal_acceleration", r"(^|_)(ax|a_x|acc(el)?(eration)?_?x|long.*acc|acc.*long)"),
-    ("lateral_acceleration", r"(^|_)(ay|a_y|acc(el)?(eration)?_?y|lat.*acc|acc.*lat|querb)"),
-    ("steering_wheel_angle", r"(steer.*(wheel|ang)|hand_?wheel|lenk|swa)"),
-    ("road_wheel_angle", r"(^delta|road_?wheel|steer)"),
-    ("lateral_speed", r"(^|_)(vy|v_y|lat.*(speed|vel))"),
-    ("speed", r"(^|_)(vx|v_x|speed|veloc|v_veh|geschw|v)($|_)"),
-    ("engine_torque", r"eng.*tor"),
-    ("engine_speed", r"(eng.*(speed|rpm)|^rpm)"),
-]
+_AT_ONCE = 32
+"""Columns that are read together where all are looked at."""
+_LIKE_A_UNIT = 0.15
+"""Share by which the spread of a column may differ from what a unit makes of it."""
+_USUAL_UNITS = {
+    "m/s": ("m/s", "km/h", "mph"),
+    "rad/s": ("rad/s", "deg/s", "rpm"),
+    "rad": ("rad", "deg"),
+    "m/s^2": ("m/s^2", "g"),
+    "Pa": ("bar", "Pa", "kPa", "MPa", "psi"),
+    "N m": ("N m", "ft*lbf"),
+}
+_TIME_NAMES = ("time", "t", "timestamp", "zeit", "et", "seconds", "sec", "time_s", "time_ms")
+_LEAST_TIME_STEP = 0.9
+"""Step of a time that cannot be seconds: slower than 1 Hz no manoeuvre is seen."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,10 @@ class Suggestion:
 
     Attributes
     ----------
-    factor : values in the log over what they should be; other than 1 where the unit is not as said
+    unit : None where neither the log nor the other channels tell one: ours is taken then
+    reason : in words
+    others : further columns whose names fit as well
+    by_name : False where only its values speak for the column
     """
 
     name: str
@@ -58,11 +62,36 @@ class Suggestion:
     unit: str | None
     sign: int
     reason: str
-    factor: float = 1.0
+    others: tuple[str, ...] = ()
+    by_name: bool = True
 
 
-def suggest_channels(path: str | Path, vehicle: VehicleFile, dbc: str | None = None) -> list[Suggestion]:
+@dataclass(frozen=True)
+class SuggestedMap:
+    """A channel map for a log that nobody has mapped yet.
+
+    Attributes
+    ----------
+    unused : columns that no signal was found for
+    """
+
+    clock: Clock
+    dbc: str | None
+    channels: tuple[Suggestion, ...]
+    unused: tuple[str, ...]
+
+    def channel_map(self) -> ChannelMap:
+        """The map itself."""
+        return ChannelMap(clock=self.clock, dbc=self.dbc, channels={one.name: _channel(one) for one in self.channels})
+
+
+def suggest_channels(path: str | Path, vehicle: VehicleFile, dbc: str | None = None) -> SuggestedMap:
     """Suggest a channel map for a log nobody has mapped yet.
+
+    Parameters
+    ----------
+    vehicle : its radii, steering ratio and brakes are what units are told by
+    dbc : database of a CAN log
 
     Raises
     ------
@@ -70,74 +99,180 @@ def suggest_channels(path: str | Path, vehicle: VehicleFile, dbc: str | None = N
         If the log cannot be read.
     """
     path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such log")
     empty = ChannelMap(dbc=dbc, channels={})
-    names = log_names(path, empty)
-    found = _by_name(names)
-    if not found:
-        return []
-    manoeuvre = _read(path, found, dbc, vehicle)
-    geometry = geometry_of(vehicle)
-    wrong, _ = explain(relations_of(twins_of([manoeuvre], geometry)), geometry)
-    for entry in wrong:
-        for name in members(entry.group, list(found)):
-            sign = -1 if entry.factor < 0.0 else 1
-            found[name] = replace(
-                found[name],
-                sign=sign,
-                factor=abs(entry.factor),
-                reason=f"{found[name].reason}; has {entry.words} against the other channels",
-            )
-    return [*found.values(), *_by_correlation(path, names, found, manoeuvre, dbc, vehicle)]
+    if holds_frames(format_of(path, empty), empty) and dbc is None:
+        raise InputError(f"{path}: a CAN log needs a database", mend="name it: --dbc FILE")
+    names, units = log_names(path, empty), log_units(path, empty)
+    log = _Log(path, empty, vehicle)
+    if log.is_table:
+        clock = _clock(path, names, units)
+        log = replace(log, empty=ChannelMap(clock=clock, channels={}))
+        names = [name for name in names if name != clock.column]
+    else:
+        names = [name for name in names if plain_name(name)[0] not in _TIME_NAMES]
+    found = {
+        signal: _by_name(signal, columns[0].source, columns[0].unit, [other.source for other in columns[1:]])
+        for signal, columns in signals_by_name(names, units).items()
+    }
+    found = log.present(found)
+    if found and not any(name.startswith("slip_") for name in found):
+        manoeuvre = log.manoeuvre({name: _channel(one) for name, one in found.items()})
+        correlated = _by_correlation(log, [n for n in names if n not in {s.source for s in found.values()}], manoeuvre)
+        if correlated:
+            found |= correlated
+            manoeuvre = log.manoeuvre({name: _channel(one) for name, one in found.items()})
+        found = _compared(found, manoeuvre, log.geometry)
+    else:
+        found = {name: _angle_in_degrees(log, one) for name, one in found.items()}
+    used = {one.source for one in found.values()}
+    order = list(channel_units())
+    ordered = sorted(found.values(), key=lambda one: order.index(one.name))
+    return SuggestedMap(log.empty.clock, dbc, tuple(ordered), tuple(name for name in names if name not in used))
 
 
-def _by_name(names: Sequence[str]) -> dict[str, Suggestion]:
-    """The first column whose name, without its unit, fits a signal's pattern."""
-    found: dict[str, Suggestion] = {}
-    taken: set[str] = set()
-    for signal, pattern in _PATTERNS:
-        for source in names:
-            plain, unit = _name_and_unit(source)
-            if source not in taken and re.search(pattern, plain) and _fits(signal, source, unit):
-                found[signal] = Suggestion(signal, source, unit, 1, "by its name")
-                taken.add(source)
-                break
-    return found
+def _by_name(signal: str, source: str, unit: str | None, others: Sequence[str]) -> Suggestion:
+    told = None if unit == "1" else unit
+    reason = "by its name, in the unit that the log says" if told else "by its name"
+    return Suggestion(signal, source, told, 1, reason, tuple(others))
 
 
-def _name_and_unit(source: str) -> tuple[str, str | None]:
-    """Name in small letters with underscores, and a unit from brackets at its end."""
-    match = re.fullmatch(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*", source)
-    text, unit = (match.group(1), match.group(2)) if match else (source, None)
-    unit = {"kmph": "km/h", "kph": "km/h", "m/s2": "m/s^2"}.get(unit or "", unit)
-    snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", text.rsplit(".", 1)[-1]).lower()
-    return re.sub(r"[^a-z0-9]+", "_", snake), unit if unit and parse_unit(unit) is not None else None
+def _channel(one: Suggestion) -> Channel:
+    return Channel(source=one.source, unit=one.unit, sign=-1 if one.sign < 0 else 1)
 
 
-def _fits(signal: str, source: str, unit: str | None) -> bool:
-    """True where the unit, if there is one, is one that the signal may have."""
-    try:
-        ChannelMap(channels={signal: Channel(source=source, unit=unit)})
-    except ValueError:
-        return False
-    return True
-
-
-def _read(path: Path, found: dict[str, Suggestion], dbc: str | None, vehicle: VehicleFile) -> Manoeuvre:
-    channels = {name: Channel(source=s.source, unit=s.unit) for name, s in found.items()}
-    drive = Drive((path.name,), read_samples(path, ChannelMap(dbc=dbc, channels=channels), vehicle))
-    time, values, weights = on_grid(drive.channels)
-    return Manoeuvre(
-        name=drive.name,
-        time=SAMPLE_TIME_S * np.arange(len(time), dtype=np.float64),
-        channels=values,
-        weights=weights,
-        source=path.name,
+def _angle_in_degrees(log: "_Log", one: Suggestion) -> Suggestion:
+    """A slip angle that no wheel has in radians is one in degrees."""
+    if one.unit is not None or channel_units()[one.name] != "rad":
+        return one
+    largest = max(float(np.nanmax(np.abs(values))) for _, (_, values) in log.columns([one.source]))
+    if largest < 0.5 * np.pi:
+        return one
+    return replace(
+        one, unit="deg", reason=f"{one.reason}, up to {largest:.3g}, which no angle of a wheel is in radians"
     )
 
 
-def _targets(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> dict[str, FloatArray]:
+def _clock(path: Path, names: Sequence[str], units: Mapping[str, str]) -> Clock:
+    """Column and unit of a table's time: named so, else the first one."""
+    plain = {name: plain_name(name) for name in names}
+    column = next((name for word in _TIME_NAMES for name in names if plain[name][0] == word), names[0])
+    told = plain[column][1] or units.get(column, "")
+    unit = {"sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "µs": "us"}.get(told.lower(), told)
+    if unit not in ("s", "ms", "us", "ns", "min", "h"):
+        ((time, _),) = read_named(path, [column], ChannelMap(clock=Clock(column=column), channels={})).values()
+        steps = np.diff(time)
+        steps = steps[steps > 0.0]
+        step = float(np.median(steps)) if len(steps) else 0.0
+        unit = next((u for u in ("s", "ms", "us", "ns") if step * to_si(f"1 {u}", "s") < _LEAST_TIME_STEP), "s")
+    return Clock(column=column, unit=unit)
+
+
+@dataclass(frozen=True)
+class _Log:
+    """A log whose columns are looked at; ``empty`` is a map of no channel with its clock and database."""
+
+    path: Path
+    empty: ChannelMap
+    vehicle: VehicleFile
+
+    @property
+    def is_table(self) -> bool:
+        return format_of(self.path, self.empty) in ("csv", "parquet")
+
+    @property
+    def geometry(self) -> Geometry:
+        return geometry_of(self.vehicle)
+
+    def present(self, found: dict[str, Suggestion]) -> dict[str, Suggestion]:
+        """Suggestions whose column the log has values of; another column whose name fits where the first has none."""
+        wanted = [source for one in found.values() for source in (one.source, *one.others)]
+        held = {source for source, _ in self.columns(wanted)}
+        kept = {}
+        for name, one in found.items():
+            sources = [source for source in (one.source, *one.others) if source in held]
+            if sources:
+                kept[name] = replace(one, source=sources[0], others=tuple(sources[1:]))
+        return kept
+
+    def columns(self, names: Sequence[str]) -> Iterator[tuple[str, tuple[FloatArray, FloatArray]]]:
+        """(name, (time [s], values)) of those columns that hold numbers."""
+        for begin in range(0, len(names), _AT_ONCE):
+            batch = list(dict.fromkeys(names[begin : begin + _AT_ONCE]))
+            try:
+                yield from read_named(self.path, batch, self.empty, missing_ok=True).items()
+            except InputError:  # one of them holds words
+                for name in batch:
+                    try:
+                        yield from read_named(self.path, [name], self.empty, missing_ok=True).items()
+                    except InputError:
+                        continue
+
+    def manoeuvre(self, channels: Mapping[str, Channel]) -> Manoeuvre:
+        """The whole log as one manoeuvre, its samples checked."""
+        samples = read_samples(self.path, self.empty.model_copy(update={"channels": dict(channels)}), self.vehicle)
+        drive = Drive((self.path.name,), check_samples(samples)[0])
+        time, values, weights = on_grid(drive.channels)
+        return Manoeuvre(
+            name=drive.name,
+            time=SAMPLE_TIME_S * np.arange(len(time), dtype=np.float64),
+            channels=values,
+            weights=weights,
+            source=self.path.name,
+            start_s=float(time[0]),
+        )
+
+
+def _compared(found: dict[str, Suggestion], manoeuvre: Manoeuvre, geometry: Geometry) -> dict[str, Suggestion]:
+    """Units and signs as the kinematic twins ask for them."""
+    relations = relations_of(twins_of([manoeuvre], geometry))
+    wrong, _ = explain(relations, geometry)
+    agreeing = {group for relation in relations for group in relation.exponents} - {entry.group for entry in wrong}
+    result = dict(found)
+    for group in agreeing:
+        for name in members(group, list(found)):
+            one = found[name]
+            unit = one.unit or channel_units()[name]
+            result[name] = replace(one, unit=unit, reason=f"{one.reason}, as the other channels ask")
+    for entry in wrong:
+        for name in members(entry.group, list(found)):
+            mended = _mended(result.pop(name), entry, geometry)
+            if mended is not None:
+                result.setdefault(mended.name, mended)
+    return result
+
+
+def _mended(one: Suggestion, wrong: Wrong, geometry: Geometry) -> Suggestion | None:
+    """A suggestion in the unit and with the sign that make it agree; None where no usual unit does."""
+    name, factor = one.name, abs(wrong.factor)
+    if name == "steering_wheel_angle" and abs(factor * geometry.steering_ratio - 1.0) < _LIKE_A_UNIT:
+        name, factor = "road_wheel_angle", 1.0
+    written = one.unit or channel_units()[name]
+    reason = f"{one.reason}, but {wrong.words} by the other channels"
+    sign = -1 if wrong.factor < 0.0 else 1
+    unit = written if factor == 1.0 else _unit_of_size(name, _size(name, written, geometry) / factor, geometry)
+    return None if unit is None else replace(one, name=name, unit=unit, sign=sign, reason=reason)
+
+
+def _size(name: str, unit: str, geometry: Geometry) -> float:
+    """One of a unit in the signal's own; of a speed along the road at the mean radius."""
+    if name.startswith("wheel_speed_") and unit_of("speed", unit) is not None:
+        return to_si(f"1 {unit}", "m/s") / float(np.mean([geometry.radii[wheel] for wheel in WHEELS]))
+    return to_si(f"1 {unit}", channel_units()[name])
+
+
+def _unit_of_size(name: str, size: float, geometry: Geometry) -> str | None:
+    """The usual unit of a signal that is so large in its own one."""
+    usual = _USUAL_UNITS.get(channel_units()[name], ()) + (_USUAL_UNITS["m/s"] * name.startswith("wheel_speed_"))
+    sizes = {unit: abs(np.log(_size(name, unit, geometry) / size)) for unit in usual}
+    best = min(sizes, key=sizes.__getitem__, default=None)
+    return best if best is not None and sizes[best] < _LIKE_A_UNIT else None
+
+
+def _targets(manoeuvre: Manoeuvre, geometry: Geometry) -> dict[str, FloatArray]:
     """What missing signals should look like, from those that are there."""
-    motion = Motion(manoeuvre, geometry_of(vehicle))
+    motion = Motion(manoeuvre, geometry)
     wheels = motion.wheels_speed()
     pace = manoeuvre.channels.get("speed", wheels)
     yaw_rate = manoeuvre.channels.get("yaw_rate", motion.wheels_yaw_rate())
@@ -150,45 +285,24 @@ def _targets(manoeuvre: Manoeuvre, vehicle: VehicleFile) -> dict[str, FloatArray
     return {name: series for name, series in targets.items() if series is not None and name not in manoeuvre.channels}
 
 
-def _by_correlation(
-    path: Path,
-    names: Sequence[str],
-    found: dict[str, Suggestion],
-    manoeuvre: Manoeuvre,
-    dbc: str | None,
-    vehicle: VehicleFile,
-) -> list[Suggestion]:
+def _by_correlation(log: _Log, spare: Sequence[str], manoeuvre: Manoeuvre) -> dict[str, Suggestion]:
     """Columns without a telling name that go the way of a missing signal."""
-    spare = [name for name in names if name not in {s.source for s in found.values()}]
-    suggestions = []
-    for signal, target in _targets(manoeuvre, vehicle).items():
-        if signal not in channel_units():
+    targets = _targets(manoeuvre, log.geometry)
+    time = manoeuvre.start_s + manoeuvre.time
+    everywhere = np.ones(len(time), dtype=bool)
+    best: dict[str, tuple[float, str]] = {}
+    for source, (stamps, values) in log.columns(spare) if targets else ():
+        known = np.isfinite(values)
+        if known.sum() < 2 or np.any(np.diff(stamps[known]) < 0.0) or np.ptp(values[known]) == 0.0:
             continue
-        scores = {source: _correlation(path, source, found, signal, target, dbc, vehicle) for source in spare}
-        best = max(scores, key=lambda s: abs(scores[s]), default=None)
-        if best is not None and abs(scores[best]) > _SURE:
-            sign = 1 if scores[best] > 0.0 else -1
-            reason = f"correlation {scores[best]:.3f} with what the other channels ask of it"
-            suggestions.append(Suggestion(signal, best, None, sign, reason))
-            spare.remove(best)
-    return suggestions
-
-
-def _correlation(
-    path: Path,
-    source: str,
-    found: dict[str, Suggestion],
-    signal: str,
-    target: FloatArray,
-    dbc: str | None,
-    vehicle: VehicleFile,
-) -> float:
-    try:
-        manoeuvre = _read(path, found | {signal: Suggestion(signal, source, None, 1, "")}, dbc, vehicle)
-    except InputError:
-        return 0.0
-    values = manoeuvre.channels.get(signal)
-    if values is None or len(values) != len(target) or np.ptp(values) == 0.0:
-        return 0.0
-    everywhere = np.ones(len(values), dtype=bool)
-    return find_lag([values], [target], [everywhere], widest_lag_s=0.3).correlation
+        series = np.interp(time, stamps[known], values[known])
+        for signal, target in targets.items():
+            correlation = find_lag([series], [target], [everywhere], widest_lag_s=0.3).correlation
+            if abs(correlation) > max(_SURE, abs(best.get(signal, (0.0, ""))[0])):
+                best[signal] = (correlation, source)
+    found: dict[str, Suggestion] = {}
+    for signal, (correlation, source) in best.items():
+        if source not in {one.source for one in found.values()}:
+            reason = f"correlation {correlation:.3f} with what the other channels ask of it"
+            found[signal] = Suggestion(signal, source, None, 1, reason, by_name=False)
+    return found

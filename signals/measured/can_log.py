@@ -89,6 +89,16 @@ def can_names(dbc: str) -> list[str]:
     return [f"{message.name}.{signal.name}" for message in _load_database(dbc).messages for signal in message.signals]
 
 
+def can_units(dbc: str) -> dict[str, str]:
+    """``Message.Signal`` -> unit as the database writes it; InputError if it cannot be read."""
+    return {
+        f"{message.name}.{signal.name}": signal.unit
+        for message in _load_database(dbc).messages
+        for signal in message.signals
+        if signal.unit
+    }
+
+
 def _load_database(dbc: str) -> Any:
     import cantools
 

@@ -1,5 +1,6 @@
 """A measured log under our names, in SI units and ISO 8855 axes, and its resampling to one time base."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -168,6 +169,30 @@ def log_names(path: Path, channel_map: ChannelMap) -> list[str]:
     return can_names(channel_map.dbc) if channel_map.dbc is not None else []
 
 
+def log_units(path: Path, channel_map: ChannelMap) -> dict[str, str]:
+    """Units that a log says of its names, as it writes them: a row of a table, a field of an MF4 channel or database.
+
+    Raises
+    ------
+    InputError
+        If the log or its database cannot be read.
+    """
+    kind = format_of(path, channel_map)
+    if kind == "csv":
+        from signals.measured.tables import csv_units
+
+        return csv_units(path)
+    if kind == "parquet":
+        return {}
+    if not holds_frames(kind, channel_map):
+        from signals.measured.mf4_log import mf4_units
+
+        return mf4_units(path)
+    from signals.measured.can_log import can_units
+
+    return can_units(channel_map.dbc) if channel_map.dbc is not None else {}
+
+
 def format_of(path: Path, channel_map: ChannelMap) -> FileFormat:
     """Format of a log: the map's, else :func:`detect_format`."""
     return detect_format(path) if channel_map.file_format == "auto" else channel_map.file_format
@@ -187,6 +212,18 @@ def read_sources(
     of CAN frames of a source that an export has cut short and that were completed.
     """
     sources = list(dict.fromkeys(channel.source for channel in channel_map.channels.values()))
+    return read_named(path, sources, channel_map, missing_ok=missing_ok, restored=restored)
+
+
+def read_named(
+    path: Path,
+    sources: Sequence[str],
+    channel_map: ChannelMap,
+    *,
+    missing_ok: bool = False,
+    restored: dict[str, int] | None = None,
+) -> RawChannels:
+    """As :func:`read_sources`, of sources that the map need not have; it says format, clock and database."""
     if missing_ok:
         offered = set(log_names(path, channel_map))
         sources = [s for s in sources if s in offered or s.rpartition("#")[0] in offered]

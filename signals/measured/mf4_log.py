@@ -28,6 +28,14 @@ def mf4_names(path: Path) -> list[str]:
         return [str(name) for name in mdf.channels_db]
 
 
+def mf4_units(path: Path) -> dict[str, str]:
+    """Channel -> unit as the file writes it, of names that stand in one group; InputError if it cannot be read."""
+    with _open(path) as mdf:
+        places = {str(name): places[0] for name, places in mdf.channels_db.items() if len(places) == 1}
+        units = {name: str(mdf.get_channel_unit(group=group, index=index)) for name, (group, index) in places.items()}
+    return {name: unit for name, unit in units.items() if unit}
+
+
 def _open(path: Path) -> Any:
     from asammdf import MDF
 

@@ -13,6 +13,7 @@ from signals.errors import InputError
 from signals.measured.channel_map import Clock
 from signals.measured.raw_channels import FloatArray, RawChannels, missing_channel
 from signals.quantities import to_si
+from signals.units import parse_unit
 
 _SEPARATORS = ";\t,"
 _HEADER_LINES = 20
@@ -40,6 +41,22 @@ def csv_names(path: Path) -> list[str]:
     """Names of the columns of a CSV file; InputError if it has no header."""
     with _open_text(path) as file:
         return _layout(path, [line for line in (file.readline() for _ in range(_HEADER_LINES)) if line])[2]
+
+
+def csv_units(path: Path) -> dict[str, str]:
+    """Column -> unit, of a row of units between the names and the numbers, if there is one.
+
+    A row of types is told from it by what it holds: at least two units that we know, and more than any other row.
+    """
+    with _open_text(path) as file:
+        lines = [line for line in (file.readline() for _ in range(_HEADER_LINES)) if line]
+    first_row, separator, names = _layout(path, lines)
+    rows = [_fields(line.lstrip("# \t"), separator) for line in lines[:first_row]]
+    known = [sum(parse_unit(field) is not None for field in row) for row in rows]
+    best = max(range(len(rows)), key=known.__getitem__, default=0)
+    if not rows or known[best] < 2 or len(rows[best]) != len(names) or rows[best] == names:
+        return {}
+    return {name: unit for name, unit in zip(names, rows[best], strict=True) if unit}
 
 
 def _open_text(path: Path) -> IO[str]:

@@ -10,6 +10,7 @@ import pytest
 
 from bench.challenge.generator import generate, generator_program, record_further, separate
 from bench.challenge.parameters import estimate_of
+from model_diagnosis.data import suggest_channels
 from model_diagnosis.effects.catalogue import effect as find_effect
 from model_diagnosis.replay.parameters import nominal_value, values_of
 from signals.errors import BenchError
@@ -109,6 +110,15 @@ def test_every_log_is_read_through_its_map_with_the_speeds_that_belong_together(
                 rolling = 0.278 * np.median(channels["wheel_speed_rl"]) / np.median(channels["speed"])
                 assert rolling == pytest.approx(1.0, abs=0.015)
     assert ".csv" in formats
+
+
+def test_the_suggested_map_of_a_log_is_the_one_that_the_generator_wrote(cases: list[Path]) -> None:
+    """Of every kind of file; a gentle drive tells no unit of what does not move, so that the log's own ones stand."""
+    for case in {next((case / "logs").iterdir()).suffix: case for case in cases}.values():
+        by_generator = load_channel_map(case / "channels.yaml")
+        log = next((case / "logs").glob("brake_in_turn.*"))
+        suggested = suggest_channels(log, load_vehicle(case / "vehicle.yaml"), by_generator.dbc).channel_map()
+        assert suggested.channels == by_generator.channels, case.name
 
 
 def test_equal_terms_cannot_be_told_apart_and_different_ones_can() -> None:

@@ -13,6 +13,7 @@ from model_diagnosis.effects.catalogue import EFFECTS
     [
         "diagnose",
         "diagnose logs",
+        "diagnose map",
         "diagnose explain",
         "diagnose effects",
         "diagnose plan",
@@ -30,7 +31,7 @@ def test_every_help_has_an_example(command: str, capsys: pytest.CaptureFixture[s
 def test_the_help_of_the_group_shows_the_options_of_a_diagnosis(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["diagnose", "--help"]) == 0
     text = capsys.readouterr().out
-    for word in ("LOG...", "--vehicle", "--channels", "--hold-out", "--out", "--json", "explain", "plan", "effects"):
+    for word in ("LOG...", "--vehicle", "--channels", "--hold-out", "--out", "--json", "map", "explain", "plan"):
         assert word in text
 
 
