@@ -105,6 +105,8 @@ def suggest_channels(path: str | Path, vehicle: VehicleFile, dbc: str | None = N
     if holds_frames(format_of(path, empty), empty) and dbc is None:
         raise InputError(f"{path}: a CAN log needs a database", mend="name it: --dbc FILE")
     names, units = log_names(path, empty), log_units(path, empty)
+    if dbc is None and any(name.startswith("CAN_DataFrame") for name in names):
+        raise InputError(f"{path}: an MF4 of CAN frames needs a database", mend="name it: --dbc FILE")
     log = _Log(path, empty, vehicle)
     if log.is_table:
         clock = _clock(path, names, units)

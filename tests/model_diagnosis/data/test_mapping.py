@@ -95,17 +95,18 @@ def test_units_of_mf4_channels_and_of_a_database_are_taken(tmp_path, vehicle):
     )
     (tmp_path / "car.dbc").write_text(dbc, encoding="cp1252")
     message = cantools.database.load_string(dbc).get_message_by_name("MOTION")
-    with can.Logger(tmp_path / "a.blf") as log:
-        for t in time:
-            data = message.encode({"YawRate": 3.0 * np.sin(t), "YawRate_Valid": 1, "LongAccel": 0.1 * np.cos(t)})
-            log(can.Message(timestamp=1.79e9 + t, arbitration_id=256, data=data, is_extended_id=False))
-    suggested = suggest_channels(tmp_path / "a.blf", vehicle, str(tmp_path / "car.dbc"))
-    assert {(s.name, s.source, s.unit) for s in suggested.channels} == {
-        ("yaw_rate", "MOTION.YawRate", "deg/s"),
-        ("longitudinal_acceleration", "MOTION.LongAccel", "g"),
-    }
-    with pytest.raises(InputError, match="needs a database"):
-        suggest_channels(tmp_path / "a.blf", vehicle)
+    for log_file in (tmp_path / "frames.blf", tmp_path / "frames.mf4"):
+        with can.Logger(log_file) as log:
+            for t in time:
+                data = message.encode({"YawRate": 3.0 * np.sin(t), "YawRate_Valid": 1, "LongAccel": 0.1 * np.cos(t)})
+                log(can.Message(timestamp=1.79e9 + t, arbitration_id=256, data=data, is_extended_id=False))
+        suggested = suggest_channels(log_file, vehicle, str(tmp_path / "car.dbc"))
+        assert {(s.name, s.source, s.unit) for s in suggested.channels} == {
+            ("yaw_rate", "MOTION.YawRate", "deg/s"),
+            ("longitudinal_acceleration", "MOTION.LongAccel", "g"),
+        }
+        with pytest.raises(InputError, match="needs a database"):
+            suggest_channels(log_file, vehicle)
 
 
 @pytest.mark.parametrize(("column", "factor", "unit"), [("Timestamp", 1e3, "ms"), ("t", 1e6, "us"), ("zeit", 1.0, "s")])
