@@ -15,7 +15,8 @@ from bench.verdict.output_files import replace_file
 from model_diagnosis.data.mapping import SuggestedMap, Suggestion, suggest_channels
 from model_diagnosis.data.uses import what_is_lost
 from signals.errors import InputError
-from signals.measured.channel_map import channel_units
+from signals.measured.channel_map import ChannelMap, channel_units
+from signals.measured.measured_log import log_names
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import load_vehicle
 
@@ -31,7 +32,7 @@ _WANTED = (
     ("drive_torque_f", "drive_torque_r", "engine_torque"),
 )
 """Channels that a diagnosis of a car lives on; of a row one is enough."""
-_SHOWN_UNUSED = 40
+_SHOWN_UNUSED, _SHOWN_OTHERS = 40, 3
 
 
 @dataclass(frozen=True)
@@ -73,10 +74,12 @@ def suggest(
     if file.exists():
         raise InputError(f"{file}: is there already", mend="give another name: --out FILE")
     car = load_vehicle(vehicle)
+    database = None if dbc is None else str(dbc)
+    loggers = _loggers(logs, database)
     maps = []
-    for number, log in enumerate(logs):
-        progress(Path(log).name, number / len(logs))
-        maps.append(suggest_channels(log, car, None if dbc is None else str(dbc)))
+    for number, of_one in enumerate(loggers):
+        progress(", ".join(Path(log).name for log in of_one), number / len(loggers))
+        maps.append(suggest_channels(of_one, car, database))
     suggested = _together(maps)
     if not suggested.channels:
         raise InputError(
@@ -87,6 +90,16 @@ def suggest(
     written = WrittenMap(suggested, _missing(suggested), file)
     replace_file(file, map_text(written, logs).encode())
     return written
+
+
+def _loggers(logs: Sequence[str], dbc: str | None) -> list[list[str]]:
+    """Logs of the same columns together: what one of them does not move another one does."""
+    loggers: dict[tuple[str, ...], list[str]] = {}
+    for log in logs:
+        if not Path(log).is_file():
+            raise InputError(f"{log}: no such log")
+        loggers.setdefault(tuple(log_names(Path(log), ChannelMap(dbc=dbc, channels={}))), []).append(log)
+    return list(loggers.values())
 
 
 def _together(maps: Sequence[SuggestedMap]) -> SuggestedMap:
@@ -153,8 +166,12 @@ def map_text(written: WrittenMap, logs: Sequence[str]) -> str:
 
 def _remark(one: Suggestion) -> str:
     """Reason of a line in words, with what is to be looked at."""
-    check = f"; CHECK THE UNIT, {channel_units()[one.name]} is taken" if _unit_is_open(one) else ""
-    return f"{one.reason}{check}{'; or ' + ', '.join(one.others[:3]) if one.others else ''}"
+    parts = [one.reason, *([one.motion] if one.motion else [])]
+    if _unit_is_open(one):
+        parts.append(f"CHECK THE UNIT, {channel_units()[one.name]} is taken")
+    if one.others:
+        parts.append(f"or {', '.join(one.others[:_SHOWN_OTHERS])}")
+    return "; ".join(parts)
 
 
 def _unit_is_open(one: Suggestion) -> bool:

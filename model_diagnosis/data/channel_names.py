@@ -83,8 +83,8 @@ _NEVER = r"valid|status|qual|flag|counter|checksum|alive|error|offset|limit|acce
 _NOT: dict[str, str] = {
     "wheel_speed": r"slip|tor|force|acc|ang|steer|count|puls|pos|temp|press",
     "brake_pressure": r"ty(re|ire)|tire|reifen|temp",
-    "speed": r"wheel|whl|wind|lat|eng|mot|yaw|gier|roll|pitch|steer|fan|pump|ang|vert|acc|rot|rad_|gear",
-    "lateral_speed": r"wind|acc|ang|yaw",
+    "speed": r"wheel|whl|(^|_)wind|lat|eng|mot|yaw|gier|roll|pitch|steer|fan|pump|ang|vert|acc|rot|rad_|gear",
+    "lateral_speed": r"(^|_)wind|acc|ang|yaw",
     "yaw_rate": r"acc",
     "yaw_angle": r"acc|rate|vel|speed|steer",
     "longitudinal_acceleration": r"ang|wheel|whl|yaw|ped",

@@ -117,7 +117,7 @@ def test_the_suggested_map_of_a_log_is_the_one_that_the_generator_wrote(cases: l
     for case in {next((case / "logs").iterdir()).suffix: case for case in cases}.values():
         by_generator = load_channel_map(case / "channels.yaml")
         log = next((case / "logs").glob("brake_in_turn.*"))
-        suggested = suggest_channels(log, load_vehicle(case / "vehicle.yaml"), by_generator.dbc).channel_map()
+        suggested = suggest_channels([log], load_vehicle(case / "vehicle.yaml"), by_generator.dbc).channel_map()
         assert suggested.channels == by_generator.channels, case.name
 
 

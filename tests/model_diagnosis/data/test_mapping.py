@@ -43,7 +43,7 @@ def _driven(kind="turn_brake", seed=5):
 def test_names_units_signs_and_a_column_without_a_name(tmp_path, vehicle):
     renamed = {NAMES[n]: (t, -57.29578 * y if n == "yaw_rate" else y) for n, (t, y) in _driven().items() if n in NAMES}
     path = car.write_csv(tmp_path / "foreign.csv", renamed)
-    found = {s.name: s for s in suggest_channels(path, vehicle).channels}
+    found = {s.name: s for s in suggest_channels([path], vehicle).channels}
     assert {name: s.source for name, s in found.items()} == NAMES
     assert found["speed"].unit == "m/s"
     assert found["yaw_rate"].sign == -1
@@ -72,7 +72,7 @@ def test_the_suggested_map_reads_what_was_driven(tmp_path, vehicle, told):
         unit, factor = odd.get(name, ("", 1.0))
         scaled[f"{name} ({unit})" if told and unit else name] = (time, values * factor)
     path = car.write_csv(tmp_path / "foreign.csv", scaled)
-    suggested = suggest_channels(path, vehicle)
+    suggested = suggest_channels([path], vehicle)
     assert {one.name for one in suggested.channels} == set(log)
     read = read_log(path, suggested.channel_map(), wheel_radius_m=car.RADIUS_M)
     for name, (_, values) in log.items():
@@ -86,7 +86,7 @@ def test_units_of_mf4_channels_and_of_a_database_are_taken(tmp_path, vehicle):
     with MDF() as mdf:
         mdf.append([Signal(speed, time, name="VehSpd", unit="kmph"), Signal(0.1 * speed, time, name="p", unit="Nm")])
         mdf.save(tmp_path / "a.mf4")
-    suggested = suggest_channels(tmp_path / "a.mf4", vehicle)
+    suggested = suggest_channels([tmp_path / "a.mf4"], vehicle)
     assert [(s.name, s.source, s.unit) for s in suggested.channels] == [("speed", "VehSpd", "km/h")]
     dbc = (
         'VERSION ""\nNS_ :\nBS_:\nBU_: A\nBO_ 256 MOTION: 8 A\n SG_ YawRate : 0|16@1- (0.01,0) [-300|300] "°/s" A\n'
@@ -100,13 +100,13 @@ def test_units_of_mf4_channels_and_of_a_database_are_taken(tmp_path, vehicle):
             for t in time:
                 data = message.encode({"YawRate": 3.0 * np.sin(t), "YawRate_Valid": 1, "LongAccel": 0.1 * np.cos(t)})
                 log(can.Message(timestamp=1.79e9 + t, arbitration_id=256, data=data, is_extended_id=False))
-        suggested = suggest_channels(log_file, vehicle, str(tmp_path / "car.dbc"))
+        suggested = suggest_channels([log_file], vehicle, str(tmp_path / "car.dbc"))
         assert {(s.name, s.source, s.unit) for s in suggested.channels} == {
             ("yaw_rate", "MOTION.YawRate", "deg/s"),
             ("longitudinal_acceleration", "MOTION.LongAccel", "g"),
         }
         with pytest.raises(InputError, match="needs a database"):
-            suggest_channels(log_file, vehicle)
+            suggest_channels([log_file], vehicle)
 
 
 @pytest.mark.parametrize(("column", "factor", "unit"), [("Timestamp", 1e3, "ms"), ("t", 1e6, "us"), ("zeit", 1.0, "s")])
@@ -114,7 +114,7 @@ def test_the_time_of_a_table_is_found_with_its_unit(tmp_path, vehicle, column, f
     time = np.arange(400) * 0.01
     rows = np.column_stack([90.0 - 5.0 * time, factor * time])
     np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header=f"speed,{column}", comments="")
-    clock = suggest_channels(tmp_path / "a.csv", vehicle).clock
+    clock = suggest_channels([tmp_path / "a.csv"], vehicle).clock
     assert (clock.column, clock.unit) == (column, unit)
 
 
@@ -187,7 +187,7 @@ def test_maps_of_public_logs_are_those_made_by_hand_from_their_descriptions(log,
     if not (SHARED / log).is_file():
         pytest.skip(f"shared data not here: {SHARED / log}")
     by_hand = load_channel_map(SHIPPED / scenario / "channels.yaml")
-    suggested = suggest_channels(SHARED / log, load_vehicle(SHIPPED / scenario / "vehicle.yaml"))
+    suggested = suggest_channels([SHARED / log], load_vehicle(SHIPPED / scenario / "vehicle.yaml"))
     assert suggested.clock == by_hand.clock
     found = {one.name: one for one in suggested.channels}
     for name, channel in by_hand.channels.items():
