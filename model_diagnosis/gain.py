@@ -226,15 +226,6 @@ def _signal_gain(pooled: _Pooled, column: int, unit: str, noise_std: float) -> S
     return gain.model_copy(update={"share": float(share[0]), "share_low": share_low, "share_high": share_high})
 
 
-def noise_std_of(values: FloatArray) -> float:
-    """Noise [unit of the signal] of samples (n,) from their second differences, which smooth motion hardly has."""
-    if len(values) < 5:
-        return 0.0
-    second = np.diff(values, 2)
-    # the median resists the instants at which the signal itself jumps; 1.4826 makes it a standard deviation
-    return float(1.4826 * np.median(np.abs(second - np.median(second))) / np.sqrt(6.0))
-
-
 def measure_gain(
     held_out: Sequence[HeldOut],
     noise_std: Mapping[str, float],

@@ -125,16 +125,6 @@ def lateral_chart(run: RunData, book: ChartBook) -> Chart | None:
     )
 
 
-def lateral_acceleration_chart(run: RunData, book: ChartBook) -> Chart | None:
-    """Lateral acceleration of the car."""
-    if not run.has("true_lateral_acceleration"):
-        return None
-    name = book.add_signal("lateral_acceleration", run.time, run.array("true_lateral_acceleration"))
-    return LineChart(
-        "lateral-acceleration", "Lateral acceleration", "m/s²", [Series("car", name, "reference")], smallest_span=1.0
-    )
-
-
 def deviation_area(
     book: ChartBook, run: RunData, estimate: str, deviation: str, running: NDArray[np.bool_], colour: str
 ) -> Area:

@@ -1,6 +1,6 @@
 """What a scenario says about cars, roads, signals and phases, checked against what there is, with places."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -314,8 +314,3 @@ def _check_database(dbc: str | None, mapping: str | None, context: Context) -> N
         load_layout(dbc, mapping)
     except InputError as error:
         context.add_error(("ecu", "dbc" if dbc is not None else "mapping"), error)
-
-
-def units_of(parameters: Mapping[str, ParameterInfo]) -> dict[str, str]:
-    """Unit of every parameter by its dotted path."""
-    return {path: info.unit for path, info in parameters.items()}

@@ -15,12 +15,6 @@ def write_verdict(folder: Path, verdict: Verdict) -> None:
     replace_file(folder / "junit.xml", junit_xml(verdict))
 
 
-def read_verdict(folder: Path) -> dict[str, Any]:
-    """Contents of a run's ``verdict.json``."""
-    content: dict[str, Any] = json.loads((folder / "verdict.json").read_text("utf-8"))
-    return content
-
-
 def replace_file(path: Path, content: bytes) -> None:
     """Write a file beside its place and move it there in one step."""
     partial = path.with_name(f".{path.name}.partial")

@@ -12,7 +12,6 @@ from model_diagnosis.gain import (
     is_proven,
     is_worse_than_a_refit,
     measure_gain,
-    noise_std_of,
 )
 
 FloatArray = NDArray[np.float64]
@@ -137,10 +136,3 @@ def test_blocks_follow_the_correlation() -> None:
         assert correlation_time_s(errors, np.ones(40_000)) == pytest.approx(expected, rel=0.25)
     white = HeldOut("white", (SIGNAL,), np.ones((1000, 1)), random.normal(size=(1000, 1)), np.ones((1000, 1)))
     assert block_samples(white) == 50
-
-
-def test_noise_is_seen_beside_the_motion() -> None:
-    random = np.random.default_rng(7)
-    time = np.arange(2000) * 0.01
-    values = 20.0 - 3.0 * time + np.sin(2.0 * time) + random.normal(scale=0.05, size=2000)
-    assert noise_std_of(values) == pytest.approx(0.05, rel=0.1)

@@ -10,7 +10,7 @@ from synthetic_run import stop
 
 from bench.verdict.criteria_file import CriteriaFile, Criterion, check_criteria
 from bench.verdict.judge import judge
-from bench.verdict.output_files import junit_xml, read_verdict, write_verdict
+from bench.verdict.output_files import junit_xml, write_verdict
 from bench.verdict.result import ORDER, worst
 
 DISTANCE = 25.0**2 / 16  # of the synthetic stop: v²/2a
@@ -145,7 +145,7 @@ def test_verdict_json_has_the_agreed_fields(tmp_path) -> None:
     ]
     verdict = judge(data, criteria, scenario="stops/dry", seed=7, versions={"bench": "0.1"})
     write_verdict(tmp_path, verdict)
-    content = read_verdict(tmp_path)
+    content = json.loads((tmp_path / "verdict.json").read_text("utf-8"))
     assert list(content)[:8] == [
         "scenario", "verdict", "criteria", "metrics", "estimators", "timing", "seed", "versions",
     ]  # fmt: skip
