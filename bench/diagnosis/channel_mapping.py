@@ -3,6 +3,7 @@
 import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -16,18 +17,18 @@ from model_diagnosis.data.mapping import SuggestedMap, Suggestion, suggest_chann
 from model_diagnosis.data.uses import what_is_lost
 from signals.errors import InputError
 from signals.measured.channel_map import ChannelMap, channel_units
-from signals.measured.measured_log import log_names
+from signals.measured.measured_log import log_columns
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import load_vehicle
 
 _WANTED = (
-    tuple(f"wheel_speed_{wheel}" for wheel in WHEELS),
+    *((f"wheel_speed_{wheel}",) for wheel in WHEELS),
     ("speed",),
     ("longitudinal_acceleration",),
     ("lateral_acceleration",),
     ("yaw_rate",),
     ("steering_wheel_angle", "road_wheel_angle"),
-    tuple(f"brake_pressure_{wheel}" for wheel in WHEELS),
+    (*(f"brake_pressure_{wheel}" for wheel in WHEELS), "master_pressure"),
     ("master_pressure",),
     ("drive_torque_f", "drive_torque_r", "engine_torque"),
 )
@@ -96,9 +97,7 @@ def _loggers(logs: Sequence[str], dbc: str | None) -> list[list[str]]:
     """Logs of the same columns together: what one of them does not move another one does."""
     loggers: dict[tuple[str, ...], list[str]] = {}
     for log in logs:
-        if not Path(log).is_file():
-            raise InputError(f"{log}: no such log")
-        loggers.setdefault(tuple(log_names(Path(log), ChannelMap(dbc=dbc, channels={}))), []).append(log)
+        loggers.setdefault(tuple(log_columns(Path(log), ChannelMap(dbc=dbc, channels={}))), []).append(log)
     return list(loggers.values())
 
 
@@ -121,16 +120,11 @@ def _missing(suggested: SuggestedMap) -> dict[str, str]:
     names = {one.name for one in suggested.channels}
     if any(name.startswith("slip_") for name in names):
         return {}
-    lacking = [kinds for kinds in _WANTED if not names & set(kinds)]
-    pressures = [f"brake_pressure_{wheel}" for wheel in WHEELS]
-    lacking = [kinds for kinds in lacking if kinds[0] not in pressures or "master_pressure" not in names]
-    return {kinds[0]: what_is_lost(kinds[0]) for kinds in lacking}
+    return {kinds[0]: what_is_lost(kinds[0]) for kinds in _WANTED if not names & set(kinds)}
 
 
 def map_text(written: WrittenMap, logs: Sequence[str]) -> str:
     """The file: a line for each channel with its reason beside it, then what was not found and not used."""
-    from io import StringIO
-
     from ruamel.yaml import YAML
     from ruamel.yaml.comments import CommentedMap
 
@@ -168,14 +162,15 @@ def _remark(one: Suggestion) -> str:
     """Reason of a line in words, with what is to be looked at."""
     parts = [one.reason, *([one.motion] if one.motion else [])]
     if _unit_is_open(one):
-        parts.append(f"CHECK THE UNIT, {channel_units()[one.name]} is taken")
+        parts.append(f"CHECK THE UNIT, {one.unit or channel_units()[one.name]} is taken")
     if one.others:
         parts.append(f"or {', '.join(one.others[:_SHOWN_OTHERS])}")
     return "; ".join(parts)
 
 
 def _unit_is_open(one: Suggestion) -> bool:
-    return one.unit is None and channel_units()[one.name] != "1"
+    """True where neither the log nor the other channels tell the unit of what has one."""
+    return (one.unit is None or one.is_likely) and not one.motion and channel_units()[one.name] != "1"
 
 
 def print_map(written: WrittenMap, logs: Sequence[str], vehicle: str, console: Console) -> None:
@@ -184,7 +179,7 @@ def print_map(written: WrittenMap, logs: Sequence[str], vehicle: str, console: C
     for head in ("signal", "column", "unit", "sign", "why"):
         table.add_column(head)
     for one in written.suggested.channels:
-        unit = f"{channel_units()[one.name]}?" if _unit_is_open(one) else one.unit or ""
+        unit = f"{one.unit or channel_units()[one.name]}?" if _unit_is_open(one) else one.unit or ""
         cells = (one.name, one.source, unit, "−" if one.sign < 0 else "", _remark(one))
         table.add_row(*(escape(cell) for cell in cells))
     console.print(table)

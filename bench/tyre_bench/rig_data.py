@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from signals.errors import InputError
 from signals.measured.channel_map import Clock
 from signals.measured.raw_channels import missing_channel
-from signals.measured.tables import csv_names, read_csv
+from signals.measured.tables import csv_columns, read_csv
 from signals.quantities import QuantityError, to_si
 
 FloatArray = NDArray[np.float64]
@@ -119,7 +119,7 @@ def _files(paths: Sequence[str | Path]) -> list[Path]:
 
 
 def _read_file(path: Path, units: dict[str, str], slip: str | None, sae: bool) -> RigData:
-    names = csv_names(path)
+    names = list(csv_columns(path))
     slip = slip or next((name for name in ("SL", "SR") if name in names), None)
     if slip is None:
         raise missing_channel(path, "SL", names)

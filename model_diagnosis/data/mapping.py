@@ -10,10 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from model_diagnosis.data.channel_names import signals_by_name, unit_of
+from model_diagnosis.data.channel_names import NamedColumn, signals_by_name, unit_of
 from model_diagnosis.data.geometry import Geometry
 from model_diagnosis.data.lags import find_lag
 from model_diagnosis.data.samples import FloatArray
+from model_diagnosis.data.twin_kinds import LEAST_OF
 from model_diagnosis.data.twins import Motion, members, slope, twins_of
 from model_diagnosis.data.unit_checks import Wrong, explain, relations_of
 from model_diagnosis.data.unmapped_logs import UnmappedLogs
@@ -24,8 +25,9 @@ from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
 _SURE = 0.95
-_LIKE_A_UNIT = 0.15
-"""Share by which the spread of a column may differ from what a unit makes of it."""
+"""Correlation from which a column without a name is taken: a tenth of its variance may be noise or another motion."""
+_SAME_SIZE = 0.01
+"""Share by which sizes of one unit differ: a g is 9.81 m/s² here and 9.80665 there."""
 _LARGEST_PRESSURE_PA = (5e5, 3.5e7)
 """Of some drive: 5 bar stop no car, and no hydraulic unit makes 350."""
 _USUAL_UNITS = {
@@ -37,6 +39,7 @@ _USUAL_UNITS = {
     "N m": ("N m", "ft*lbf"),
 }
 _COMPARISONS = 4
+"""Of ten groups of channels that twins compare, three at a time."""
 _AGREES = "the other channels agree"
 
 
@@ -48,6 +51,7 @@ class Suggestion:
     ----------
     unit : None where neither the log nor the other channels tell one: ours is taken then
     reason : why this column, in words
+    is_likely : True where the unit is the one in which the size of the values is usual
     motion : what the other channels say of its unit and sign: "" nothing, else that they agree or what they ask for
     others : further columns whose names fit as well
     by_name : False where only its values speak for the column
@@ -60,6 +64,7 @@ class Suggestion:
     reason: str
     others: tuple[str, ...] = ()
     by_name: bool = True
+    is_likely: bool = False
     motion: str = ""
 
 
@@ -97,77 +102,71 @@ def suggest_channels(paths: Sequence[str | Path], vehicle: VehicleFile, dbc: str
         If a log cannot be read.
     """
     logs = UnmappedLogs.of([Path(path) for path in paths], vehicle, dbc)
-    units = logs.units()
-    found = {
-        signal: _by_name(signal, columns[0].source, columns[0].unit, [other.source for other in columns[1:]])
-        for signal, columns in signals_by_name(logs.names, units).items()
-    }
-    found = _present(logs, found)
-    if found and not any(name.startswith("slip_") for name in found):
-        found = _pressures_in_likely_units(logs, found)
-        used = {one.source for one in found.values()}
-        found |= _by_correlation(logs, [name for name in logs.names if name not in used], _manoeuvres(logs, found))
+    by_name = signals_by_name(list(logs.columns), logs.columns)
+    largest = logs.largest([column.source for columns in by_name.values() for column in columns])
+    found = _with_values({signal: _by_name(signal, columns) for signal, columns in by_name.items()}, largest)
+    if any(name.startswith("slip_") for name in found):
+        found = {name: _angle_in_degrees(one, largest[one.source]) for name, one in found.items()}
+    elif found:
+        found = _pressures_in_likely_units(found, largest)
         found = _agreeing(logs, found)
-    else:
-        found = {name: _angle_in_degrees(logs, one) for name, one in found.items()}
-    used = {one.source for one in found.values()}
+        correlated = _by_correlation(logs, _unused(logs, found), _manoeuvres(logs, found))
+        if correlated:
+            found = _agreeing(logs, found | correlated)
     order = list(channel_units())
     ordered = sorted(found.values(), key=lambda one: order.index(one.name))
-    unused = tuple(name for name in logs.names if name not in used)
-    return SuggestedMap(logs.empty.clock, logs.empty.dbc, tuple(ordered), unused)
+    return SuggestedMap(logs.empty.clock, dbc, tuple(ordered), tuple(_unused(logs, found)))
+
+
+def _unused(logs: UnmappedLogs, found: Mapping[str, Suggestion]) -> list[str]:
+    used = {one.source for one in found.values()}
+    return [name for name in logs.columns if name not in used]
 
 
 def _manoeuvres(logs: UnmappedLogs, found: Mapping[str, Suggestion]) -> list[Manoeuvre]:
     return logs.manoeuvres({name: _channel(one) for name, one in found.items()})
 
 
-def _by_name(signal: str, source: str, unit: str | None, others: Sequence[str]) -> Suggestion:
-    told = None if unit == "1" else unit
+def _by_name(signal: str, columns: Sequence[NamedColumn]) -> Suggestion:
+    first, *others = columns
+    told = None if first.unit == "1" else first.unit
     reason = "by its name, in the unit that the log says" if told else "by its name"
-    return Suggestion(signal, source, told, 1, reason, tuple(others))
+    return Suggestion(signal, first.source, told, 1, reason, tuple(other.source for other in others))
 
 
 def _channel(one: Suggestion) -> Channel:
     return Channel(source=one.source, unit=one.unit, sign=-1 if one.sign < 0 else 1)
 
 
-def _present(logs: UnmappedLogs, found: Mapping[str, Suggestion]) -> dict[str, Suggestion]:
+def _with_values(found: Mapping[str, Suggestion], largest: Mapping[str, float]) -> dict[str, Suggestion]:
     """Suggestions whose column the logs have values of; another column whose name fits where the first has none."""
-    held = set(logs.largest([source for one in found.values() for source in (one.source, *one.others)]))
     kept = {}
     for name, one in found.items():
-        sources = [source for source in (one.source, *one.others) if source in held]
+        sources = [source for source in (one.source, *one.others) if source in largest]
         if sources:
             kept[name] = replace(one, source=sources[0], others=tuple(sources[1:]))
     return kept
 
 
-def _pressures_in_likely_units(logs: UnmappedLogs, found: Mapping[str, Suggestion]) -> dict[str, Suggestion]:
+def _pressures_in_likely_units(found: Mapping[str, Suggestion], largest: Mapping[str, float]) -> dict[str, Suggestion]:
     """Brake pressures whose unit nobody tells, in the one in which the largest is one of a brake.
 
     In a wrong one they are no pressures at all for what compares them with the motion.
     """
     names = [name for name, one in found.items() if channel_units()[name] == "Pa" and one.unit is None]
-    largest = max(logs.largest([found[name].source for name in names]).values(), default=0.0)
+    most = max((largest[found[name].source] for name in names), default=0.0)
     low, high = _LARGEST_PRESSURE_PA
-    unit = next((u for u in _USUAL_UNITS["Pa"] if low <= largest * to_si(f"1 {u}", "Pa") <= high), None)
-    if unit is None:
-        return dict(found)
-    reason = f"largest of all {largest:.3g}, as a brake has in {unit}"
-    return dict(found) | {
-        name: replace(found[name], unit=unit, reason=f"{found[name].reason}; {reason}") for name in names
-    }
+    unit = next((u for u in _USUAL_UNITS["Pa"] if low <= most * to_si(f"1 {u}", "Pa") <= high), None)
+    likely = {name: replace(found[name], unit=unit, is_likely=True) for name in names if unit is not None}
+    return dict(found) | likely
 
 
-def _angle_in_degrees(logs: UnmappedLogs, one: Suggestion) -> Suggestion:
+def _angle_in_degrees(one: Suggestion, largest: float) -> Suggestion:
     """A slip angle that no wheel has in radians is one in degrees."""
-    if one.unit is not None or channel_units()[one.name] != "rad":
-        return one
-    largest = max(logs.largest([one.source]).values())
-    if largest < 0.5 * np.pi:
+    if one.unit is not None or channel_units()[one.name] != "rad" or largest < 0.5 * np.pi:
         return one
     return replace(
-        one, unit="deg", reason=f"{one.reason}, up to {largest:.3g}, which no angle of a wheel is in radians"
+        one, unit="deg", reason=f"{one.reason}; up to {largest:.3g}, which no angle of a wheel is in radians"
     )
 
 
@@ -179,14 +178,14 @@ def _agreeing(logs: UnmappedLogs, found: dict[str, Suggestion]) -> dict[str, Sug
     for _ in range(_COMPARISONS):
         relations = relations_of(twins_of(_manoeuvres(logs, found), logs.geometry))
         wrong, _ = explain(relations, logs.geometry)
+        if not wrong:
+            break
         for entry in wrong:
             for name in members(entry.group, list(found)):
                 mended = _mended(found[name], entry, logs.geometry)
                 if mended is not None:
                     del found[name]
                     found.setdefault(mended.name, mended)
-        if not wrong:
-            break
     agreeing = {group for relation in relations for group in relation.exponents} - {entry.group for entry in wrong}
     for name in (name for group in agreeing for name in members(group, list(found))):
         one = found[name]
@@ -197,7 +196,7 @@ def _agreeing(logs: UnmappedLogs, found: dict[str, Suggestion]) -> dict[str, Sug
 def _mended(one: Suggestion, wrong: Wrong, geometry: Geometry) -> Suggestion | None:
     """A suggestion in the unit and with the sign that make it agree; None where no usual unit does."""
     name, factor = one.name, abs(wrong.factor)
-    if name == "steering_wheel_angle" and abs(factor * geometry.steering_ratio - 1.0) < _LIKE_A_UNIT:
+    if name == "steering_wheel_angle" and abs(factor * geometry.steering_ratio - 1.0) < _SAME_SIZE:
         name, factor = "road_wheel_angle", 1.0
     written = one.unit or channel_units()[name]
     sign = -one.sign if wrong.factor < 0.0 else one.sign
@@ -218,7 +217,7 @@ def _unit_of_size(name: str, size: float, geometry: Geometry) -> str | None:
     usual = _USUAL_UNITS.get(channel_units()[name], ()) + (_USUAL_UNITS["m/s"] * name.startswith("wheel_speed_"))
     sizes = {unit: abs(np.log(_size(name, unit, geometry) / size)) for unit in usual}
     best = min(sizes, key=sizes.__getitem__, default=None)
-    return best if best is not None and sizes[best] < _LIKE_A_UNIT else None
+    return best if best is not None and sizes[best] < _SAME_SIZE else None
 
 
 def _targets(manoeuvre: Manoeuvre, geometry: Geometry) -> dict[str, FloatArray]:
@@ -241,20 +240,26 @@ def _by_correlation(logs: UnmappedLogs, spare: Sequence[str], manoeuvres: Sequen
     targets = [_targets(manoeuvre, logs.geometry) for manoeuvre in manoeuvres]
     wanted = list(dict.fromkeys(name for one in targets for name in one))
     best: dict[str, tuple[float, str]] = {}
-    for source, series in logs.on_time_of(manoeuvres, spare) if wanted else ():
+    for source, courses in logs.on_time_of(manoeuvres, spare) if wanted else ():
         for signal in wanted:
-            pairs = [
-                (own, one[signal])
-                for own, one in zip(series, targets, strict=True)
-                if own is not None and signal in one
-            ]
-            everywhere = [np.ones(len(own), dtype=bool) for own, _ in pairs]
-            lag = find_lag([own for own, _ in pairs], [target for _, target in pairs], everywhere, widest_lag_s=0.3)
-            if abs(lag.correlation) > max(_SURE, abs(best.get(signal, (0.0, ""))[0])):
-                best[signal] = (lag.correlation, source)
+            correlation = _correlation(courses, [one.get(signal) for one in targets], LEAST_OF[signal])
+            if abs(correlation) > max(_SURE, abs(best.get(signal, (0.0, ""))[0])):
+                best[signal] = (correlation, source)
     found: dict[str, Suggestion] = {}
     for signal, (correlation, source) in best.items():
         if source not in {one.source for one in found.values()}:
             reason = f"correlation {correlation:.3f} with what the other channels ask of it"
             found[signal] = Suggestion(signal, source, None, 1, reason, by_name=False)
     return found
+
+
+def _correlation(
+    courses: Sequence[FloatArray | None], targets: Sequence[FloatArray | None], least_spread: float
+) -> float:
+    """Median over the logs that move the target: one manoeuvre in which its law does not hold decides nothing."""
+    found = [
+        find_lag([course], [target], [np.ones(len(course), dtype=bool)], widest_lag_s=0.3).correlation
+        for course, target in zip(courses, targets, strict=True)
+        if course is not None and target is not None and np.std(target) > least_spread
+    ]
+    return float(np.median(found)) if found else 0.0

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from signals.errors import InputError
 from signals.measured.channel_map import Channel, ChannelMap, channel_units
-from signals.measured.measured_log import format_of, holds_frames, in_si, log_names, read_sources
+from signals.measured.measured_log import format_of, holds_frames, in_si, log_columns, read_sources
 from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
@@ -151,5 +151,5 @@ def missing_channels(
     missing = [(name, channel.source) for name, channel in channel_map.channels.items() if name not in found]
     if not missing:
         return []
-    names = list(dict.fromkeys(n for path in paths for n in log_names(Path(path), channel_map)))
+    names = list(dict.fromkeys(n for path in paths for n in log_columns(Path(path), channel_map)))
     return [(name, source, names) for name, source in missing]

@@ -8,6 +8,7 @@ LEAST_OF = {
     "longitudinal_acceleration": _LEAST_M_S2,
     "lateral_acceleration": _LEAST_M_S2,
     "yaw_rate": _LEAST_RAD_S,
+    "speed": _LEAST_M_S,
 }
 """Spreads below which a car moves by itself: a straight stop with ABS sways by 0.13 m/s² and 0.007 rad/s, and steering
 takes 0.13 m/s of a car that coasts. Two of some thirty such stops swayed by more than 0.2 m/s²: wheels that slip tell

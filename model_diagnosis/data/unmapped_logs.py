@@ -15,7 +15,7 @@ from model_diagnosis.data.samples import FloatArray, read_samples
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from signals.errors import InputError
 from signals.measured.channel_map import Channel, ChannelMap, Clock
-from signals.measured.measured_log import format_of, holds_frames, log_names, log_units, read_named
+from signals.measured.measured_log import format_of, holds_frames, log_columns, read_named
 from signals.measured.raw_channels import RawChannels
 from signals.quantities import to_si
 from vehicle_model.vehicle_file import VehicleFile
@@ -33,12 +33,12 @@ class UnmappedLogs:
 
     Attributes
     ----------
-    names : columns, without the time
+    columns : names without the time -> unit as the first log writes it, "" where it tells none
     empty : a map of no channel, with the logs' clock and database
     """
 
     paths: tuple[Path, ...]
-    names: tuple[str, ...]
+    columns: Mapping[str, str]
     empty: ChannelMap
     vehicle: VehicleFile
 
@@ -49,33 +49,25 @@ class UnmappedLogs:
         Raises
         ------
         InputError
-            If a log is not there, cannot be read, or is one of CAN frames without a database.
+            If the log is not there, cannot be read, or is one of CAN frames without a database.
         """
         first, empty = paths[0], ChannelMap(dbc=dbc, channels={})
-        for path in paths:
-            if not path.is_file():
-                raise InputError(f"{path}: no such log")
         if holds_frames(format_of(first, empty), empty) and dbc is None:
             raise InputError(f"{first}: a CAN log needs a database", mend="name it: --dbc FILE")
-        names = log_names(first, empty)
-        if dbc is None and any(name.startswith("CAN_DataFrame") for name in names):
+        columns = log_columns(first, empty)
+        if dbc is None and any(name.startswith("CAN_DataFrame") for name in columns):
             raise InputError(f"{first}: an MF4 of CAN frames needs a database", mend="name it: --dbc FILE")
+        time_names = [name for name in columns if plain_name(name)[0] in _TIME_NAMES]
         if format_of(first, empty) in ("csv", "parquet"):
-            clock = _clock(first, names)
-            empty = ChannelMap(clock=clock, channels={})
-            names = [name for name in names if name != clock.column]
-        else:
-            names = [name for name in names if plain_name(name)[0] not in _TIME_NAMES]
-        return cls(tuple(paths), tuple(names), empty, vehicle)
+            clock = _clock(first, columns)
+            empty, time_names = ChannelMap(clock=clock, channels={}), [clock.column]
+        columns = {name: unit for name, unit in columns.items() if name not in time_names}
+        return cls(tuple(paths), columns, empty, vehicle)
 
     @property
     def geometry(self) -> Geometry:
         """Of the car."""
         return geometry_of(self.vehicle)
-
-    def units(self) -> dict[str, str]:
-        """Column -> unit as the first log writes it."""
-        return log_units(self.paths[0], self.empty)
 
     def largest(self, names: Sequence[str]) -> dict[str, float]:
         """Largest magnitude of those columns that hold numbers in any log."""
@@ -141,11 +133,11 @@ def _course(raw: tuple[FloatArray, FloatArray], time: FloatArray) -> FloatArray 
     return course
 
 
-def _clock(path: Path, names: Sequence[str]) -> Clock:
+def _clock(path: Path, columns: Mapping[str, str]) -> Clock:
     """Column and unit of a table's time: named so, else the first one."""
-    plain = {name: plain_name(name) for name in names}
-    column = next((name for word in _TIME_NAMES for name in names if plain[name][0] == word), names[0])
-    told = plain[column][1] or log_units(path, ChannelMap(channels={})).get(column, "")
+    plain = {name: plain_name(name) for name in columns}
+    column = next((name for word in _TIME_NAMES for name in columns if plain[name][0] == word), next(iter(columns)))
+    told = plain[column][1] or columns[column]
     unit = {"sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "µs": "us"}.get(told.lower(), told)
     if unit not in ("s", "ms", "us", "ns", "min", "h"):
         ((time, _),) = read_named(path, [column], ChannelMap(clock=Clock(column=column), channels={})).values()

@@ -84,18 +84,12 @@ def read_can_log(
     return {source: (np.array(times[source]), np.array(values[source])) for source in sources if times[source]}
 
 
-def can_names(dbc: str) -> list[str]:
-    """``Message.Signal`` of everything in a database; InputError if it cannot be read."""
-    return [f"{message.name}.{signal.name}" for message in _load_database(dbc).messages for signal in message.signals]
-
-
-def can_units(dbc: str) -> dict[str, str]:
-    """``Message.Signal`` -> unit as the database writes it; InputError if it cannot be read."""
+def can_columns(dbc: str) -> dict[str, str]:
+    """``Message.Signal`` of everything in a database -> unit as it writes it; InputError if it cannot be read."""
     return {
-        f"{message.name}.{signal.name}": signal.unit
+        f"{message.name}.{signal.name}": signal.unit or ""
         for message in _load_database(dbc).messages
         for signal in message.signals
-        if signal.unit
     }
 
 

@@ -123,8 +123,10 @@ def detect_format(path: Path) -> FileFormat:
     Raises
     ------
     InputError
-        If the file is empty, or neither says.
+        If the file is not there or empty, or neither says.
     """
+    if not path.is_file():
+        raise InputError(f"{path}: no such log")
     with path.open("rb") as file:
         head = file.read(8)
     if not head:
@@ -143,8 +145,10 @@ def detect_format(path: Path) -> FileFormat:
     return suffixes[suffix]
 
 
-def log_names(path: Path, channel_map: ChannelMap) -> list[str]:
-    """Every name that a log offers as a source; of a CAN log those of its database, whether it has them or not.
+def log_columns(path: Path, channel_map: ChannelMap) -> dict[str, str]:
+    """Every name that a log offers as a source, and its unit as the log writes it, "" where it tells none.
+
+    Of a CAN log the names are those of its database, whether it has them or not.
 
     Raises
     ------
@@ -153,44 +157,20 @@ def log_names(path: Path, channel_map: ChannelMap) -> list[str]:
     """
     kind = format_of(path, channel_map)
     if kind == "csv":
-        from signals.measured.tables import csv_names
+        from signals.measured.tables import csv_columns
 
-        return csv_names(path)
+        return csv_columns(path)
     if kind == "parquet":
-        from signals.measured.tables import parquet_names
+        from signals.measured.tables import parquet_columns
 
-        return parquet_names(path)
+        return parquet_columns(path)
     if not holds_frames(kind, channel_map):
-        from signals.measured.mf4_log import mf4_names
+        from signals.measured.mf4_log import mf4_columns
 
-        return mf4_names(path)
-    from signals.measured.can_log import can_names
+        return mf4_columns(path)
+    from signals.measured.can_log import can_columns
 
-    return can_names(channel_map.dbc) if channel_map.dbc is not None else []
-
-
-def log_units(path: Path, channel_map: ChannelMap) -> dict[str, str]:
-    """Units that a log says of its names, as it writes them: a row of a table, a field of an MF4 channel or database.
-
-    Raises
-    ------
-    InputError
-        If the log or its database cannot be read.
-    """
-    kind = format_of(path, channel_map)
-    if kind == "csv":
-        from signals.measured.tables import csv_units
-
-        return csv_units(path)
-    if kind == "parquet":
-        return {}
-    if not holds_frames(kind, channel_map):
-        from signals.measured.mf4_log import mf4_units
-
-        return mf4_units(path)
-    from signals.measured.can_log import can_units
-
-    return can_units(channel_map.dbc) if channel_map.dbc is not None else {}
+    return can_columns(channel_map.dbc) if channel_map.dbc is not None else {}
 
 
 def format_of(path: Path, channel_map: ChannelMap) -> FileFormat:
@@ -225,7 +205,7 @@ def read_named(
 ) -> RawChannels:
     """As :func:`read_sources`, of sources that the map need not have; it says format, clock and database."""
     if missing_ok:
-        offered = set(log_names(path, channel_map))
+        offered = log_columns(path, channel_map)
         sources = [s for s in sources if s in offered or s.rpartition("#")[0] in offered]
         if not sources:
             return {}

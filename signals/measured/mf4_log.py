@@ -22,18 +22,19 @@ def read_mf4_log(path: Path, sources: Sequence[str]) -> RawChannels:
         return {source: _channel(mdf, path, source) for source in sources}
 
 
-def mf4_names(path: Path) -> list[str]:
-    """Names of the channels of an MF4 file; InputError if it cannot be read."""
-    with _open(path) as mdf:
-        return [str(name) for name in mdf.channels_db]
+def mf4_columns(path: Path) -> dict[str, str]:
+    """Channel of an MF4 file -> unit as it writes it, "" too where several groups have one of that name.
 
-
-def mf4_units(path: Path) -> dict[str, str]:
-    """Channel -> unit as the file writes it, of names that stand in one group; InputError if it cannot be read."""
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+    """
     with _open(path) as mdf:
-        places = {str(name): places[0] for name, places in mdf.channels_db.items() if len(places) == 1}
-        units = {name: str(mdf.get_channel_unit(group=group, index=index)) for name, (group, index) in places.items()}
-    return {name: unit for name, unit in units.items() if unit}
+        return {
+            str(name): str(mdf.get_channel_unit(group=places[0][0], index=places[0][1])) if len(places) == 1 else ""
+            for name, places in mdf.channels_db.items()
+        }
 
 
 def _open(path: Path) -> Any:

@@ -17,6 +17,9 @@ from signals.units import parse_unit
 
 _SEPARATORS = ";\t,"
 _HEADER_LINES = 20
+_REMARK = "# \t"
+_LEAST_UNITS = 2
+"""One word that happens to be a unit makes no row of units."""
 
 
 def read_csv(path: Path, sources: Sequence[str], clock: Clock) -> RawChannels:
@@ -25,9 +28,7 @@ def read_csv(path: Path, sources: Sequence[str], clock: Clock) -> RawChannels:
     The first line that is no plain remark names the columns, also behind a ``#``; further lines that are remarks or
     hold no number (types, units) are passed over. A comma as decimal sign is read where the separator is another one.
     """
-    with _open_text(path) as file:
-        lines = [line for line in (file.readline() for _ in range(_HEADER_LINES)) if line]
-    first_row, separator, names = _layout(path, lines)
+    first_row, separator, names = _layout(path, _first_lines(path))
     time_name = clock.column or names[0]
     wanted = dict.fromkeys([time_name, *sources])
     for name in wanted:
@@ -37,26 +38,30 @@ def read_csv(path: Path, sources: Sequence[str], clock: Clock) -> RawChannels:
     return _with_clock(path, columns, time_name, sources, clock)
 
 
-def csv_names(path: Path) -> list[str]:
-    """Names of the columns of a CSV file; InputError if it has no header."""
-    with _open_text(path) as file:
-        return _layout(path, [line for line in (file.readline() for _ in range(_HEADER_LINES)) if line])[2]
-
-
-def csv_units(path: Path) -> dict[str, str]:
-    """Column -> unit, of a row of units between the names and the numbers, if there is one.
+def csv_columns(path: Path) -> dict[str, str]:
+    """Column of a CSV file -> unit, out of a row of units between names and numbers; "" where there is none.
 
     A row of types is told from it by what it holds: at least two units that we know, and more than any other row.
+
+    Raises
+    ------
+    InputError
+        If the file has no header.
     """
-    with _open_text(path) as file:
-        lines = [line for line in (file.readline() for _ in range(_HEADER_LINES)) if line]
+    lines = _first_lines(path)
     first_row, separator, names = _layout(path, lines)
-    rows = [_fields(line.lstrip("# \t"), separator) for line in lines[:first_row]]
-    known = [sum(parse_unit(field) is not None for field in row) for row in rows]
-    best = max(range(len(rows)), key=known.__getitem__, default=0)
-    if not rows or known[best] < 2 or len(rows[best]) != len(names) or rows[best] == names:
-        return {}
-    return {name: unit for name, unit in zip(names, rows[best], strict=True) if unit}
+    rows = [_fields(line.lstrip(_REMARK), separator) for line in lines[:first_row]]
+    rows = [row for row in rows if len(row) == len(names) and row != names]
+    known = {place: sum(parse_unit(field) is not None for field in row) for place, row in enumerate(rows)}
+    best = max(known, key=known.__getitem__, default=None)
+    if best is None or known[best] < _LEAST_UNITS:
+        return dict.fromkeys(names, "")
+    return dict(zip(names, rows[best], strict=True))
+
+
+def _first_lines(path: Path) -> list[str]:
+    with _open_text(path) as file:
+        return [line for line in (file.readline() for _ in range(_HEADER_LINES)) if line]
 
 
 def _open_text(path: Path) -> IO[str]:
@@ -77,7 +82,7 @@ def _layout(path: Path, lines: list[str]) -> tuple[int, str, list[str]]:
             continue
         fields = _fields(line, separator)
         for before in lines[:row]:
-            names = _fields(before.lstrip("# \t"), separator)
+            names = _fields(before.lstrip(_REMARK), separator)
             if len(names) == len(fields) and len(set(names)) == len(names):
                 return row, separator, names
         break
@@ -129,9 +134,9 @@ def _decimal_comma(path: Path, row: int) -> bool:
         return "," in file.readline()
 
 
-def parquet_names(path: Path) -> list[str]:
-    """Names of the columns of a Parquet file; InputError if it cannot be read."""
-    return list(_open_parquet(path).schema_arrow.names)
+def parquet_columns(path: Path) -> dict[str, str]:
+    """Columns of a Parquet file, which tell no unit; InputError if it cannot be read."""
+    return dict.fromkeys(_open_parquet(path).schema_arrow.names, "")
 
 
 def _open_parquet(path: Path) -> Any:

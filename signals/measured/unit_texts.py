@@ -21,6 +21,10 @@ _WRITTEN = {
 """In small letters. Other than in a unit library a g is of gravity, a kmph no thousand miles, an Nm no nautical one."""
 
 
+_SAYS_SOMETHING = re.compile("[A-Za-z%1]")
+"""Other than an empty text or a dash, which a number without a unit stands for in any quantity."""
+
+
 @cache
 def unit_in(text: str, quantity: str) -> str | None:
     """A unit text of a log as our files write it; None where it is no unit of the quantity.
@@ -31,7 +35,7 @@ def unit_in(text: str, quantity: str) -> str | None:
     """
     plain = text.strip().strip("[]()").strip().replace("²", "^2").replace("·", "*")
     for unit in dict.fromkeys((_WRITTEN.get(plain.lower(), plain), plain.lower())):
-        if re.search(r"[A-Za-z%1]", unit) and _measures(unit, quantity):
+        if _SAYS_SOMETHING.search(unit) and _measures(unit, quantity):
             return unit
     return None
 

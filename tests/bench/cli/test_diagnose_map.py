@@ -50,6 +50,17 @@ def test_as_json_it_says_the_same(logs: list[str], capsys: pytest.CaptureFixture
     assert "yaw_rate" in answer["missing"]
 
 
+def test_units_that_nobody_tells_are_to_be_checked(logs: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """Of a pressure in the unit that is likely by its size, of a force in ours; a switch has none."""
+    rows = (f"{0.01 * k:g},{20 + 0.1 * k:g},{k},{4 * k},{k // 50}" for k in range(100))
+    Path("brakes.csv").write_text("\n".join(["t,speed,THZ_Druck,PedalForce,BrakeSwitch", *rows]))
+    assert main(["diagnose", "map", "brakes.csv", "--vehicle", "ekf_car"]) == 0
+    lines = {line.split(":")[0].strip(): line for line in Path("brakes_channels.yaml").read_text().splitlines()}
+    assert "unit: bar} # by its name; CHECK THE UNIT, bar is taken" in lines["master_pressure"]
+    assert "CHECK THE UNIT, N is taken" in lines["pedal_force"]
+    assert "CHECK" not in lines["brake_switch"]
+
+
 def test_a_map_that_is_there_stays(logs: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     Path("car_channels.yaml").write_text("mine")
     assert main(["diagnose", "map", *logs, "--vehicle", "ekf_car"]) == 2

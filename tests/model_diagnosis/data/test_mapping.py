@@ -64,7 +64,10 @@ ODD_UNITS = {
 
 @pytest.mark.parametrize("told", [False, True])
 def test_the_suggested_map_reads_what_was_driven(tmp_path, vehicle, told):
-    """Units that no column tells, two of them wrong at once, are found by the motion; of told ones all may be odd."""
+    """Units that no column tells, two of them wrong at once, are found by the motion; of told ones all may be odd.
+
+    Tables are written with seven digits.
+    """
     odd = ODD_UNITS if told else {name: ODD_UNITS[name] for name in ("yaw_rate", "longitudinal_acceleration")}
     log = _driven()
     scaled = {}
@@ -77,7 +80,43 @@ def test_the_suggested_map_reads_what_was_driven(tmp_path, vehicle, told):
     read = read_log(path, suggested.channel_map(), wheel_radius_m=car.RADIUS_M)
     for name, (_, values) in log.items():
         known = values[np.isfinite(values)]
-        assert read.channels[name].values[: len(known)] == pytest.approx(known, rel=2e-4, abs=1e-4), name
+        assert read.channels[name].values[: len(known)] == pytest.approx(known, rel=1e-6), name
+
+
+UNTOLD = ODD_UNITS | {f"wheel_speed_{wheel}": ("rpm", 9.549296585513721) for wheel in ("fl", "fr", "rl", "rr")}
+"""A speed along the road in km/h is by chance 1.0008 times the rotation in rad/s: nobody could tell them apart."""
+
+
+def test_a_column_without_a_name_is_found_beside_drives_that_do_not_move_it(tmp_path, vehicle):
+    """Two straight drives, of which its noise is all, and a turn; the yaw rate in degrees makes all of them move."""
+    paths = []
+    for seed, kind in enumerate(("stop", "turn_brake", "accelerate")):
+        log = {n: (t, y * UNTOLD[n][1] if n == "yaw_rate" else y) for n, (t, y) in _driven(kind, seed).items()}
+        log = {NAMES[n]: column for n, column in log.items() if n in NAMES}
+        paths.append(car.write_csv(tmp_path / f"{kind}.csv", log))
+    found = {one.name: one for one in suggest_channels(paths, vehicle).channels}
+    assert (found["lateral_acceleration"].source, found["lateral_acceleration"].by_name) == ("channel_17", False)
+
+
+def test_units_that_no_column_tells_are_found_where_all_are_odd_and_one_sign_is(tmp_path, vehicle):
+    """Four groups and a sign are wrong at once, one more than a comparison explains."""
+    paths = []
+    for seed, kind in enumerate(("turn_brake", "slalom", "accelerate", "stop")):
+        scaled = {name: (t, y * UNTOLD.get(name, ("", 1.0))[1]) for name, (t, y) in _driven(kind, seed).items()}
+        scaled["lateral_acceleration"] = (scaled["speed"][0], -scaled["lateral_acceleration"][1])
+        paths.append(car.write_csv(tmp_path / f"{kind}.csv", scaled))
+    found = {one.name: one for one in suggest_channels(paths, vehicle).channels}
+    assert {name: found[name].unit for name in UNTOLD} == {name: unit for name, (unit, _) in UNTOLD.items()}
+    assert [one.name for one in found.values() if one.sign < 0] == ["lateral_acceleration"]
+    assert not [one.name for one in found.values() if not one.motion]
+
+
+def test_a_pressure_that_moves_nothing_stands_in_a_likely_unit(tmp_path, vehicle):
+    time = np.arange(400) * 0.01
+    table = np.column_stack([time, np.full(400, 20.0), 30.0 * np.clip(time - 2.0, 0.0, 1.0)])
+    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="t,speed,Bremsdruck_VL", comments="")
+    pressure = {one.name: one for one in suggest_channels([tmp_path / "a.csv"], vehicle).channels}["brake_pressure_fl"]
+    assert (pressure.unit, pressure.is_likely, pressure.motion) == ("bar", True, "")
 
 
 def test_units_of_mf4_channels_and_of_a_database_are_taken(tmp_path, vehicle):
