@@ -264,8 +264,9 @@ class Bus:
     def trace(self) -> Trace:
         """Every bit so far; empty if the bus was made with ``trace=False``."""
         count = len(self.names)
-        levels = [np.zeros((0, 1 + 2 * count), np.uint8), *self._levels]
-        return Trace(np.concatenate(levels), np.concatenate([np.zeros((0, 3 * count), np.int16), *self._traces]))
+        levels = np.concatenate([np.zeros((0, 2 + 2 * count), np.uint8), *self._levels])
+        trace = np.concatenate([np.zeros((0, 3 * count), np.int16), *self._traces])
+        return Trace(levels, trace, self._bit_times_ns)
 
     def run(self, bits: int = 100_000, *, until_idle: bool = False) -> int:
         """Run a number of bits, or until all nodes are idle with nothing to send; returns the bits run."""
@@ -284,7 +285,7 @@ class Bus:
 
     def _run(self, bits: int, until_idle: bool) -> int:
         kept = bits if self._keep else 0
-        levels = np.zeros((kept, 1 + 2 * len(self.names)), np.uint8)
+        levels = np.zeros((kept, 2 + 2 * len(self.names)), np.uint8)
         trace = np.zeros((kept, 3 * len(self.names)), np.int16)
         count: int = kernel.run_bits(
             bits,

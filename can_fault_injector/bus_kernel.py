@@ -284,8 +284,9 @@ def run_bits(
         End when all nodes are idle and nothing waits.
     events, received, payloads
         Filled from the rows given in ``counters``; the run ends early when they are full.
-    levels : uint8 array (count, 1 + 2 nodes), trace : int16 array (count, 3 nodes)
-        Bus, transmit and receive level of each node; its TEC, REC and phase after the bit. Empty: nothing is kept.
+    levels : uint8 array (count, 2 + 2 nodes), trace : int16 array (count, 3 nodes)
+        Bus, transmit and receive level of each node, whether the bit has the rate of the data phase; each node's TEC,
+        REC and phase after the bit. Empty: nothing is kept.
     """
     nodes = states.shape[0]
     sent = np.empty(nodes, np.int64)
@@ -302,7 +303,8 @@ def run_bits(
             tester = driven[now - driven_start]
         bus = _bus_level(disturbances, sent, tester, states[0, ns.SAMPLE_POINT], wiring, 0)
         differ = wiring.shape[0] > 0 or _pulses(disturbances)
-        counters[C_TIME_NS] += bit_times_ns[1] if _at_data_rate(states) else bit_times_ns[0]
+        fast = 1 if _at_data_rate(states) else 0
+        counters[C_TIME_NS] += bit_times_ns[fast]
         idle = True
         for j in range(nodes):
             instant = states[j, ns.SAMPLE_POINT]
@@ -332,7 +334,7 @@ def run_bits(
                 trace[step, 3 * j], trace[step, 3 * j + 1] = s[ns.TRANSMIT_ERRORS], s[ns.RECEIVE_ERRORS]
                 trace[step, 3 * j + 2] = s[ns.PHASE]
         if keep:
-            levels[step, 0] = bus
+            levels[step, 0], levels[step, 1 + 2 * nodes] = bus, fast
         for i in range(disturbances.shape[0]):
             if disturbances[i, D_REMAINING]:
                 disturbances[i, D_REMAINING] -= 1

@@ -101,11 +101,14 @@ class Trace:
     driven, seen : uint8 arrays (bits, nodes)
         What each node put on its transmit line and found on its receive line, disturbances included, each at the
         node's sample point.
+    durations_ns : int64 array (bits)
+        Of each bit on the bus: shorter in the data phase of CAN FD.
     transmit_errors, receive_errors, phase : int16 arrays (bits, nodes)
         State after the bit; ``phase`` by the codes of ``node_state``.
     """
 
-    def __init__(self, levels: NDArray[np.uint8], trace: NDArray[np.int16]) -> None:
+    def __init__(self, levels: NDArray[np.uint8], trace: NDArray[np.int16], bit_times_ns: NDArray[np.int64]) -> None:
         self.bus = levels[:, 0]
-        self.driven, self.seen = levels[:, 1::2], levels[:, 2::2]
+        self.driven, self.seen = levels[:, 1:-1:2], levels[:, 2::2]
+        self.durations_ns = bit_times_ns[levels[:, -1]]
         self.transmit_errors, self.receive_errors, self.phase = trace[:, 0::3], trace[:, 1::3], trace[:, 2::3]

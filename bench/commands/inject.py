@@ -56,6 +56,13 @@ def inject(
         list[str] | None,
         typer.Option(metavar="PLACE", help="Say what a receiver makes of the frame with this bit inverted; repeat."),
     ] = None,
+    vcd: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Write the wire of --explain for logic analysers: frame, flips, error frames."
+        ),
+    ] = None,
+    data_bit_rate: Annotated[float, typer.Option(metavar="BIT/S", help="Of the data phase of CAN FD in --vcd.")] = 2e6,
     dbc: Annotated[
         Path | None, typer.Option(metavar="FILE", help="CAN database for names of signals; default: the shipped one.")
     ] = None,
@@ -77,8 +84,10 @@ def inject(
     bench inject --explain 120#0011223344556677 --at "data.signal(wheel_speed_fl).bit 5"
 
     bench inject --explain 207#0D --flip bit.25 --flip bit.43
+
+    bench inject --explain 207#0D --flip crc.14 --vcd wave.vcd
     """
-    from bench.commands.inject_export import print_rules, run_device
+    from bench.commands.inject_export import print_rules, run_device, write_wave
     from signals.errors import InputError
 
     if device is not None and faults is not None:
@@ -97,12 +106,16 @@ def inject(
         mend = "bench inject --from vcan0 --to vcan1 faults.yaml, or bench inject --explain 123#DEADBEEF"
         raise InputError("bench inject: nothing to do", mend=mend)
     explanation, reading = _explain(explain, tuple(at or ()), tuple(flip or ()), dbc, not non_iso)
+    if vcd is not None:
+        write_wave(vcd, explanation.frame, reading.flipped if reading else (), dbc, bit_rate, data_bit_rate)
     if as_json:
         print_json(explanation.as_data() | ({"reading": reading.as_data()} if reading else {}))
         return
     _print(explanation)
     if reading:
         print(f"with {', '.join(flip or ())} flipped {reading.summary(explanation.frame)}")
+    if vcd is not None:
+        print(f"waveform: {vcd}")
 
 
 def _forward(

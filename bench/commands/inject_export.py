@@ -1,6 +1,7 @@
-"""``bench inject --can-gw`` and ``--device``: faults by the kernel's gateway, or by a device on the real bus."""
+"""What ``bench inject`` hands to others: faults to the kernel's gateway or a device, a waveform to a logic analyser."""
 
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -8,6 +9,9 @@ from bench.commands.options import print_json
 
 if TYPE_CHECKING:
     from can_fault_injector.bit_device import Hit
+    from can_fault_injector.frame import Frame
+
+_SLOWEST_BIT_S, _FASTEST_BIT_S = 1e3, 20e6
 
 
 def print_rules(faults: Path | None, bench_side: str, ecu_side: str, as_json: bool) -> None:
@@ -21,6 +25,31 @@ def print_rules(faults: Path | None, bench_side: str, ecu_side: str, as_json: bo
         return
     for rule in made:
         print(rule.command)
+
+
+def write_wave(
+    path: Path, frame: "Frame", flipped: Sequence[int], dbc: Path | None, bit_rate: float | None, data_bit_rate: float
+) -> None:
+    """Write what a receiver sees of a frame, with what it does about flipped bits, as a value change dump.
+
+    Raises
+    ------
+    InputError
+        If a rate is no rate, or the file cannot be written.
+    """
+    from bench.codec.database import load_database
+    from can_fault_injector.waveform import receive_line, value_change_dump
+    from signals.errors import InputError
+
+    rate = bit_rate if bit_rate is not None else load_database(dbc).bit_rate
+    for option, value in (("--bit-rate", rate), ("--data-bit-rate", data_bit_rate)):
+        if not _SLOWEST_BIT_S <= value <= _FASTEST_BIT_S:
+            raise InputError(option, found=f"{value:g}", allowed=f"{_SLOWEST_BIT_S:g} to {_FASTEST_BIT_S:g} bit/s")
+    wave = receive_line(frame, flipped, bit_rate=rate, data_bit_rate=data_bit_rate)
+    try:
+        path.write_text(value_change_dump(wave), encoding="ascii")
+    except OSError as error:
+        raise InputError(f"{path}: {(error.strerror or str(error)).lower()}") from None
 
 
 def run_device(

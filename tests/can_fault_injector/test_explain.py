@@ -1,6 +1,7 @@
 """Frames in the notation of can-utils, addresses of bits, and the explanation of a frame."""
 
 import json
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -100,6 +101,26 @@ def test_command_prints_bits_and_json(capsys: pytest.CaptureFixture[str]) -> Non
         "signal": "wheel_speed_fl.5",
     }
     assert main(["inject", "--explain", "12#"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--vcd", "no folder/wave.vcd"], "no folder/wave.vcd: no such file or directory"),
+        (["--vcd", "wave.vcd", "--bit-rate", "0"], "allowed: 1000 to 2e+07 bit/s"),
+    ],
+)
+def test_waveform_that_cannot_be_written_is_told(
+    arguments: list[str],
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["inject", "--explain", "207#0D", *arguments]) == 2
+    assert words in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 @settings(max_examples=50, deadline=None)

@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from can_fault_injector import Frame
+from bench.cli import main
+from can_fault_injector import Bus, Frame, Node
 from can_fault_injector.fields import FD_LENGTHS
-from can_fault_injector.waveform import TICKS_PER_BIT, bit_ticks, value_change_dump
+from can_fault_injector.waveform import IDLE_BITS, Wave, value_change_dump
 
 COUNT = 2000
-DATA_BIT_RATIO = 4
-IDLE = 14
+BIT_RATE, DATA_BIT_RATE = 500_000, 2_000_000
 DECODERS = [Path(folder) / "libsigrokdecode/decoders/can" for folder in ("/usr/share", "/usr/local/share")]
 INSTALLED = next((folder for folder in DECODERS if (folder / "pd.py").exists()), None)
 
@@ -30,6 +30,7 @@ pytestmark = pytest.mark.skipif(
     reason="needs sigrok-cli: apt-get install sigrok-cli",
 )
 
+INSTALLED_ONLY = {"PATH": "/usr/bin:/bin:/usr/local/bin"}
 EDITS = [
     (r"dlc2len\(self\.dlc\) < 16", "dlc2len(self.dlc) <= 16"),
     (r"\(dlc2len\(self\.dlc\) \* 8\)", "(self.data_bytes() * 8)"),
@@ -72,15 +73,21 @@ def edited_decoder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def decode(frames: list[Frame], folder: Path, decoder: str, environment: dict[str, str]) -> list[list[str]]:
     """Lines that the decoder prints for each frame."""
-    levels, ticks = [np.ones(IDLE, np.int64)], [np.full(IDLE, TICKS_PER_BIT)]
+    nodes = [Node(name, iso=frames[0].iso) for name in ("sender", "receiver")]
+    bus = Bus(nodes, BIT_RATE, data_bit_rate=DATA_BIT_RATE)
     for frame in frames:
-        bits = frame.bits().astype(np.int64)
-        bits[next(field.start for field in frame.fields() if field.name == "ack_slot")] = 0
-        levels += [bits, np.ones(IDLE, np.int64)]
-        ticks += [bit_ticks(frame, DATA_BIT_RATIO), np.full(IDLE, TICKS_PER_BIT)]
+        bus.run(IDLE_BITS)
+        bus.send("sender", frame)
+        bus.run(1000, until_idle=True)
+    bus.run(IDLE_BITS)
     dump = folder / "frames.vcd"
-    dump.write_text(value_change_dump(np.concatenate(levels), np.concatenate(ticks)), encoding="ascii")
-    options = f"{decoder}:can_rx=can_rx:nominal_bitrate=500000:fast_bitrate={500000 * DATA_BIT_RATIO}:sample_point=75"
+    dump.write_text(value_change_dump(Wave(bus.trace.bus, bus.trace.durations_ns)), encoding="ascii")
+    return read_dump(dump, decoder, environment)
+
+
+def read_dump(dump: Path, decoder: str, environment: dict[str, str]) -> list[list[str]]:
+    """Lines that the decoder prints for each frame of a dump."""
+    options = f"{decoder}:can_rx=can_rx:nominal_bitrate={BIT_RATE}:fast_bitrate={DATA_BIT_RATE}:sample_point=75"
     command = ["sigrok-cli", "-I", "vcd", "-i", str(dump), "-P", options, "-A", f"{decoder}=fields:stuff-bit"]
     done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment, timeout=120)
     result: list[list[str]] = []
@@ -149,7 +156,7 @@ def random_frames(kind: str) -> list[Frame]:
 
 def test_installed_decoder_reads_classic_data_frames(tmp_path: Path, witnessed: Callable[[str], None]) -> None:
     frames = random_frames("data")
-    decoded = decode(frames, tmp_path, "can", {"PATH": "/usr/bin:/bin:/usr/local/bin"})
+    decoded = decode(frames, tmp_path, "can", INSTALLED_ONLY)
     assert len(decoded) == COUNT
     for frame, lines in zip(frames, decoded, strict=True):
         check(frame, lines)
@@ -164,9 +171,29 @@ def test_edited_decoder_reads_every_kind_of_frame(
     kind: str, tmp_path: Path, edited_decoder: Path, witnessed: Callable[[str], None]
 ) -> None:
     frames = random_frames(kind)
-    environment = {"PATH": "/usr/bin:/bin:/usr/local/bin", "SIGROKDECODE_DIR": str(edited_decoder)}
+    environment = {**INSTALLED_ONLY, "SIGROKDECODE_DIR": str(edited_decoder)}
     decoded = decode(frames, tmp_path, "cann" if "non_iso" in kind else "canp", environment)
     assert len(decoded) == COUNT
     for frame, lines in zip(frames, decoded, strict=True):
         check(frame, lines)
     witnessed(f"{COUNT} frames of kind {kind} equal in sigrok's decoder, edited")
+
+
+def test_two_flips_of_a_waveform_file_make_another_frame_with_a_good_crc(tmp_path: Path) -> None:
+    """207#0D with bits 25 and 43 flipped is 207#03 with its CRC 0x3C43 (canhack's frame builder), acknowledged."""
+    dump = tmp_path / "wave.vcd"
+    assert main(["inject", "--explain", "207#0D", "--flip", "bit.25", "--flip", "bit.43", "--vcd", str(dump)]) == 0
+    (lines,) = read_dump(dump, "can", INSTALLED_ONLY)
+    assert "Data byte 0: 0x03" in lines
+    assert "CRC-15 sequence: 0x3c43" in lines
+    assert "ACK slot: ACK" in lines
+
+
+def test_rejected_frame_of_a_waveform_file_comes_again(tmp_path: Path) -> None:
+    """ISO 11898-1: after a CRC error the receiver does not acknowledge, and the sender repeats the frame."""
+    dump = tmp_path / "wave.vcd"
+    assert main(["inject", "--explain", "207#0D", "--flip", "crc.14", "--vcd", str(dump)]) == 0
+    first, second = read_dump(dump, "can", INSTALLED_ONLY)
+    assert "ACK slot: NACK" in first
+    assert "ACK slot: ACK" in second
+    check(Frame(0x207, b"\x0d"), second)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from can_fault_injector import Bus, Disturbance, Frame, Node, ProtocolError
-from can_fault_injector.waveform import value_change_dump
+from can_fault_injector.waveform import Wave, value_change_dump
 
 FOLDER = os.environ.get("SIGROK_CAN2", "")
 pytestmark = pytest.mark.skipif(
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.skipif(
 COUNT = 80
 IDLE = 16
 """Sequences of each kind, and recessive bits between them: more than the 11 of bus integration."""
-SAMPLES_PER_BIT = 20
+BIT_TIME_NS, SAMPLES_PER_BIT = 2000, 20
 ERROR_FRAME = ("Error flag", "Error delimiter")
 EXPECTED = {
     "good": ("Received OK", "Transmitted OK"),
@@ -95,7 +95,7 @@ def decode(sequences: list[np.ndarray], folder: Path) -> list[tuple[str, ...]]:
     gap = np.ones(IDLE, np.uint8)
     levels = np.concatenate([gap, *(part for sequence in sequences for part in (sequence, gap))])
     dump = folder / "errors.vcd"
-    dump.write_text(value_change_dump(levels), encoding="ascii")
+    dump.write_text(value_change_dump(Wave(levels, np.full(levels.size, BIT_TIME_NS))), encoding="ascii")
     starts = np.cumsum([IDLE, *(sequence.size + IDLE for sequence in sequences)])
     options = "can2:canrx=can_rx:can-bitrate=500000:can-samplepoint=75"
     command = [
