@@ -167,7 +167,11 @@ def _shared_time(channels: Mapping[str, Samples]) -> tuple[float, float]:
     latest = max(long_ones, key=lambda name: float(long_ones[name][0]))
     earliest = min(long_ones, key=lambda name: float(long_ones[name][1]))
     begin, end = float(spans[latest][0]), float(spans[earliest][1])
-    if end - begin < 2.0 * SAMPLE_TIME_S:
+    if 0.0 <= end - begin < 2.0 * SAMPLE_TIME_S:
+        raise InputError(
+            f"all channels together cover {end - begin:.3f} s only", allowed=f"{2.0 * SAMPLE_TIME_S:g} s at least"
+        )
+    if end < begin:
         raise InputError(
             f"no time is covered by all channels: {channels[earliest].source!r} of {channels[earliest].logger} ends at "
             f"{end:.3f} s, {channels[latest].source!r} of {channels[latest].logger} begins at {begin:.3f} s"

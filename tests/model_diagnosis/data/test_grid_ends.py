@@ -5,6 +5,7 @@ import pytest
 
 from model_diagnosis.data.grid import on_grid
 from model_diagnosis.data.samples import Samples
+from signals.errors import InputError
 
 
 def channel(name: str, period_s: float, values: np.ndarray) -> Samples:
@@ -26,3 +27,9 @@ def test_a_torque_that_stays_at_zero_does_not_end_the_drive() -> None:
     speed = channel("speed", 0.01, np.linspace(30.0, 10.0, 200))
     time, _, _ = on_grid({"drive_torque_r": torque, "speed": speed})
     assert time[-1] == pytest.approx(1.99, abs=1e-9)
+
+
+def test_a_log_of_two_samples_is_told_as_short() -> None:
+    with pytest.raises(InputError, match=r"cover 0\.010 s only") as told:
+        on_grid({"speed": channel("speed", 0.01, np.array([20.0, 19.0]))})
+    assert "allowed: 0.02 s at least" in str(told.value)
