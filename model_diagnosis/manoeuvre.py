@@ -56,6 +56,16 @@ class Manoeuvre:
         """Weights (n,) of a channel; zeros where the channel is missing altogether."""
         return self.weights.get(channel, np.zeros(self.samples))
 
+    def part(self, begin: int, end: int) -> "Manoeuvre":
+        """Samples ``begin`` to ``end`` as a manoeuvre of the same name."""
+        return replace(
+            self,
+            time=self.time[begin:end] - self.time[begin],
+            channels={name: values[begin:end] for name, values in self.channels.items()},
+            weights={name: values[begin:end] for name, values in self.weights.items()},
+            start_s=self.start_s + SAMPLE_TIME_S * begin,
+        )
+
     def on_one_raster(self) -> "Manoeuvre":
         """The same with every channel at the instants of ``time``, by straight lines between its samples."""
         if not self.phases:

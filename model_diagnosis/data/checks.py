@@ -16,10 +16,11 @@ from model_diagnosis.data.delay_checks import (
     fault_of,
     lag_relations,
     refined_delays,
-    shifted,
+    set_right,
     with_rests,
 )
 from model_diagnosis.data.drift_checks import check_drift
+from model_diagnosis.data.drive_clocks import check_drive_clocks, with_common
 from model_diagnosis.data.faults import distinct
 from model_diagnosis.data.geometry import Geometry, geometry_of
 from model_diagnosis.data.level_checks import check_constant, check_load_sign, restore_wraps
@@ -65,6 +66,7 @@ def check_data(
     found, repaired = check_drift(repaired, geometry)
     faults += found
     replayable = replay if replay is not None and _can_be_replayed(repaired, vehicle, replay) else None
+    clocks, repaired = check_drive_clocks(repaired, geometry, vehicle, replayable)
     found, repaired = _check_filters(repaired, geometry, vehicle, replayable)
     faults += found
     found, large, small, repaired = _check_delays(repaired, geometry, vehicle, None)
@@ -77,6 +79,8 @@ def check_data(
         large, further = with_rests(large, further)
         large, small = with_rests([*large, *further], small)
         large, repaired = settled_delays(large, repaired, vehicle, replayable)
+    clocks, (large, small) = with_common(clocks, large, small)
+    faults += [clock.fault() for clock in clocks]
     # what was shifted and then shifted back is not late
     faults += [fault_of(late) for late in (*large, *small) if round(late.delay_s / SAMPLE_TIME_S)]
     return distinct(faults), repaired
@@ -138,7 +142,7 @@ def _check_delays(
         late for late in late_sets if replay is None or (abs(late.delay_s) > _LARGE_DELAY_S and late.gain > PLAIN_GAIN)
     ]
     for late in large:
-        repaired = [shifted(m, late.channels, late.delay_s) for m in repaired]
+        repaired = [set_right(m, late.channels, late.delay_s) for m in repaired]
     small: list[Late] = []
     if replay is not None:
         for proposed in _explanations([late for late in late_sets if late not in large], large, relations, sets):

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model_diagnosis.data.delay_checks import PLAIN_GAIN, Late, shifted
-from model_diagnosis.data.innovations import log_innovation
+from model_diagnosis.data.innovations import total_log_innovation
 from model_diagnosis.data.replayed import FloatArray, ReplayFactory, ReplayModel
 from model_diagnosis.effects.catalogue import IMPOSTORS
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
@@ -223,7 +223,7 @@ def refitted(model: ReplayModel, chosen: Sequence[int], worth_a_step: float) -> 
     A friction that is off by a third bends the phases of a stop in ways that one step from the vehicle file leaves.
     """
     theta = np.zeros(len(model.columns))
-    score = _score(model.residuals(theta), model.weights())
+    score = total_log_innovation(model.residuals(theta), model.weights())
     for _ in range(_MOST_STEPS):
         step = Step(theta, model.sensitivities(theta, chosen), chosen)
         theta, better = innovations_after(model, step)
@@ -241,7 +241,7 @@ def innovations_after(model: ReplayModel, step: Step) -> tuple[FloatArray, float
     chosen, weights = list(step.chosen), model.weights()
     residuals = model.residuals(step.theta)
     stds = [_spread(r, w) for r, w in zip(residuals, weights, strict=True)]
-    best, taken = _score(residuals, weights), step.theta
+    best, taken = total_log_innovation(residuals, weights), step.theta
     widths = np.array([max(model.parameters[k].nuisance_std, model.parameters[k].effect_std) for k in chosen])
     precision = widths**-2.0
     normal, gradient = np.diag(precision), -precision * step.theta[chosen]
@@ -257,7 +257,7 @@ def innovations_after(model: ReplayModel, step: Step) -> tuple[FloatArray, float
             [model.parameters[k].low for k in chosen],
             [model.parameters[k].high for k in chosen],
         )
-        score = _score(model.residuals(theta), weights)
+        score = total_log_innovation(model.residuals(theta), weights)
         if score < best:
             best, taken = score, theta
     return taken, best
@@ -268,11 +268,3 @@ def _spread(residual: FloatArray, weight: FloatArray) -> FloatArray:
     counts = np.maximum(weight.sum(axis=0), 1.0)
     rms: FloatArray = np.sqrt((weight * residual**2).sum(axis=0) / counts)
     return np.maximum(rms, 1e-9)
-
-
-def _score(residuals: Sequence[FloatArray], weights: Sequence[FloatArray]) -> float:
-    return sum(
-        log_innovation(residual[:, k], weight[:, k] > 0.0)
-        for residual, weight in zip(residuals, weights, strict=True)
-        for k in range(residual.shape[1])
-    )

@@ -335,6 +335,12 @@ def shifted(manoeuvre: Manoeuvre, channels: Sequence[str], delay_s: float) -> Ma
     return replace(manoeuvre, channels=moved, weights=weights)
 
 
+def set_right(manoeuvre: Manoeuvre, channels: Sequence[str], delay_s: float) -> Manoeuvre:
+    """As ``shifted``, without the begin that early channels then lack: a replay starts from what they say there."""
+    lacking = min(max(0, -round(delay_s / SAMPLE_TIME_S)), manoeuvre.samples // 2)
+    return shifted(manoeuvre, channels, delay_s).part(lacking, manoeuvre.samples)
+
+
 def _earlier(values: FloatArray, shift: int, fill: float) -> FloatArray:
     """Values taken ``shift`` samples earlier; the open end holds its last value, or ``fill`` where that is a number."""
     rows = np.arange(len(values)) + shift

@@ -5,7 +5,7 @@ each second. The lags of windows of 10 s are regressed on time, and where the ca
 (slip makes a wheel lead by slip per acceleration times speed); Huber's weights for windows whose lag the driving makes.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -102,16 +102,9 @@ def _windows(parts: Sequence[Manoeuvre]) -> list[tuple[Manoeuvre, float]]:
         for rows in np.array_split(np.arange(part.samples), count):
             if len(rows) < 0.5 * WINDOW_S / SAMPLE_TIME_S:
                 continue
-            window = slice(int(rows[0]), int(rows[-1]) + 1)
-            cut = replace(
-                part, time=part.time[window], channels=_cut(part.channels, window), weights=_cut(part.weights, window)
-            )
-            found.append((cut, part.start_s + SAMPLE_TIME_S * float(np.mean(rows))))
+            window = part.part(int(rows[0]), int(rows[-1]) + 1)
+            found.append((window, part.start_s + SAMPLE_TIME_S * float(np.mean(rows))))
     return found
-
-
-def _cut(series: Mapping[str, FloatArray], rows: slice) -> dict[str, FloatArray]:
-    return {name: values[rows] for name, values in series.items()}
 
 
 def _lag(twin: Twin) -> float | None:

@@ -1,16 +1,14 @@
-"""Drives out of logs: one log each, or several loggers' logs of one drive laid together."""
+"""A drive: channels of one or several loggers, each on its own stamps of one clock."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import pairwise, takewhile
+from itertools import pairwise
 
 import numpy as np
 
 from model_diagnosis.data.sample_timing import PAUSE_S
 from model_diagnosis.data.samples import Samples
 from model_diagnosis.result import DataFault
-
-_SHARED = 0.5
 
 
 @dataclass(frozen=True)
@@ -27,35 +25,8 @@ class Drive:
         return self.loggers[0].split(".", 1)[0]
 
 
-def join_loggers(logs: Sequence[Mapping[str, Samples]]) -> list[Drive]:
-    """Logs of different channels that ran at the same time become one drive, the most alike file names first.
-
-    Clocks that share no time at all are laid together by their first samples, and that is reported.
-    """
-    drives = [Drive((_logger(log),), dict(log)) for log in logs if log]
-    joined: list[Drive] = []
-    for drive in drives:
-        partners = [other for other in joined if not set(other.channels) & set(drive.channels)]
-        together = [other for other in partners if _shared(other, drive) >= _SHARED]
-        apart = [other for other in partners if _shared(other, drive) == 0.0 and len(drives) == 2]
-        if not together and not apart:
-            joined.append(drive)
-            continue
-        best = max(together or apart, key=lambda other: _likeness(other.name, drive.name))
-        joined[joined.index(best)] = _merged(best, drive if together else _moved(best, drive))
-    return joined
-
-
-def _likeness(one: str, other: str) -> int:
-    """Letters that two names begin with alike."""
-    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
-
-
-def _logger(log: Mapping[str, Samples]) -> str:
-    return next(iter(log.values())).logger
-
-
-def _span(drive: Drive) -> tuple[float, float]:
+def span_s(drive: Drive) -> tuple[float, float]:
+    """First and last stamp of any channel on the logs' clock [s]."""
     begins = [float(c.time[0]) for c in drive.channels.values() if len(c.time)]
     ends = [float(c.time[-1]) for c in drive.channels.values() if len(c.time)]
     return (min(begins), max(ends)) if begins else (0.0, 0.0)
@@ -63,36 +34,29 @@ def _span(drive: Drive) -> tuple[float, float]:
 
 def begin_s(drive: Drive) -> float:
     """Time of the first sample of any channel on the logs' clock [s]."""
-    return _span(drive)[0]
+    return span_s(drive)[0]
 
 
 def duration_s(drive: Drive) -> float:
     """Time from the first to the last sample of any channel [s]."""
-    begin, end = _span(drive)
+    begin, end = span_s(drive)
     return end - begin
 
 
-def _shared(one: Drive, other: Drive) -> float:
-    """Time that two drives share over the shorter one's."""
-    (a, b), (c, d) = _span(one), _span(other)
-    return max(0.0, min(b, d) - max(a, c)) / max(min(b - a, d - c), 1e-9)
-
-
-def _moved(first: Drive, second: Drive) -> Drive:
-    offset = _span(second)[0] - _span(first)[0]
-    message = (
-        f"{second.loggers[0]} and {first.loggers[0]} share no time; their first samples are taken as simultaneous "
-        f"({offset:.6g} s between the clocks)"
-    )
-    fault = DataFault(
-        kind="clock_offset", channel=second.loggers[0], value=offset, unit="s", repaired=True, message=message
-    )
-    channels = {name: replace(c, time=c.time - offset) for name, c in second.channels.items()}
-    return Drive(second.loggers, channels, (*second.faults, fault))
-
-
-def _merged(first: Drive, second: Drive) -> Drive:
+def together(first: Drive, second: Drive) -> Drive:
+    """Channels of two loggers that ran at the same time."""
     return Drive(first.loggers + second.loggers, {**first.channels, **second.channels}, first.faults + second.faults)
+
+
+def moved(drive: Drive, later_s: float) -> Drive:
+    """The drive with its clock set forward."""
+    return replace(drive, channels={name: replace(c, time=c.time + later_s) for name, c in drive.channels.items()})
+
+
+def between(drive: Drive, low: float, high: float) -> Drive:
+    """What lies between two times, without channels of fewer than two samples there."""
+    channels = {name: _between(c, low, high) for name, c in drive.channels.items()}
+    return replace(drive, channels={name: c for name, c in channels.items() if len(c.time) > 1})
 
 
 def split_at_pauses(drive: Drive) -> list[Drive]:
@@ -102,10 +66,7 @@ def split_at_pauses(drive: Drive) -> list[Drive]:
     if not len(pauses):
         return [drive]
     borders = [-np.inf, *(0.5 * (stamps[pauses] + stamps[pauses + 1])), np.inf]
-    parts = []
-    for low, high in pairwise(borders):
-        channels = {name: _between(c, low, high) for name, c in drive.channels.items()}
-        parts.append(Drive(drive.loggers, {name: c for name, c in channels.items() if len(c.time) > 1}, drive.faults))
+    parts = [between(drive, low, high) for low, high in pairwise(borders)]
     return [part for part in parts if part.channels]
 
 

@@ -41,6 +41,11 @@ def geometry_of(vehicle: VehicleFile) -> Geometry:
         track_front=vehicle.axles.front.track,
         track_rear=vehicle.axles.rear.track,
         steering_ratio=vehicle.steering.ratio,
-        radii={wheel: float(getattr(vehicle.wheels, wheel).radius) for wheel in WHEELS},
+        radii=wheel_radii(vehicle),
         brake_gains={wheel: gains[wheel[0]] for wheel in WHEELS},
     )
+
+
+def wheel_radii(vehicle: VehicleFile) -> dict[str, float]:
+    """Rolling radius of each wheel [m]."""
+    return {wheel: float(getattr(vehicle.wheels, wheel).radius) for wheel in WHEELS}

@@ -106,13 +106,6 @@ def _divided(drive: Sequence[Manoeuvre], share: float) -> tuple[list[Manoeuvre],
 
 
 def _part(manoeuvre: Manoeuvre, begin: int, end: int) -> Manoeuvre:
-    """Samples ``begin`` to ``end`` as a manoeuvre of their own."""
-    first = SAMPLE_TIME_S * begin
-    return replace(
-        manoeuvre,
-        name=f"{manoeuvre.name} {'to' if begin == 0 else 'from'} {SAMPLE_TIME_S * (begin or end):.1f} s",
-        time=manoeuvre.time[begin:end] - manoeuvre.time[begin],
-        channels={name: values[begin:end] for name, values in manoeuvre.channels.items()},
-        weights={name: values[begin:end] for name, values in manoeuvre.weights.items()},
-        start_s=manoeuvre.start_s + first,
-    )
+    """Samples ``begin`` to ``end`` as a manoeuvre of another name."""
+    which = "to" if begin == 0 else "from"
+    return replace(manoeuvre.part(begin, end), name=f"{manoeuvre.name} {which} {SAMPLE_TIME_S * (begin or end):.1f} s")

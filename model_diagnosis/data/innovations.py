@@ -1,5 +1,7 @@
 """Innovations: what of a residual its own past does not predict."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from model_diagnosis.data.samples import BoolArray, FloatArray
@@ -21,3 +23,12 @@ def log_innovation(residual: FloatArray, present: BoolArray) -> float:
         return 0.0
     coefficients = np.linalg.solve(design.T @ design + 1e-5 * np.eye(_ORDER) * np.mean(target**2), design.T @ target)
     return float(present.sum() * np.log(np.std(target - design @ coefficients) + 1e-12))
+
+
+def total_log_innovation(residuals: Sequence[FloatArray], weights: Sequence[FloatArray]) -> float:
+    """Σ N log σ of all signals of some manoeuvres, residuals and weights (n, c) of each."""
+    return sum(
+        log_innovation(residual[:, k], weight[:, k] > 0.0)
+        for residual, weight in zip(residuals, weights, strict=True)
+        for k in range(residual.shape[1])
+    )

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from model_diagnosis.data.drives import Drive, begin_s, duration_s, join_loggers, split_at_pauses
+from model_diagnosis.data.drives import Drive, begin_s, duration_s, split_at_pauses
+from model_diagnosis.data.geometry import wheel_radii
 from model_diagnosis.data.grid import on_grid, own_samples
+from model_diagnosis.data.loggers import join_loggers
 from model_diagnosis.data.lost_frames import mask_lost_frames
 from model_diagnosis.data.sample_timing import check_cut_frames, check_timing
 from model_diagnosis.data.sample_values import VALUE_CHECKS, check_resting_pressures, is_motion
@@ -19,7 +21,6 @@ from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
 from signals.errors import InputError, nearest_name
 from signals.measured.channel_map import ChannelMap
-from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
 _FORCES = ("longitudinal_force_", "lateral_force_")
@@ -43,7 +44,7 @@ def read_manoeuvres(paths: Sequence[str | Path], channel_map: ChannelMap, vehicl
     missing = _missing(paths, channel_map, sorted(found))
     _require_motion(paths, found, missing)
     manoeuvres: list[Manoeuvre] = []
-    for drive in join_loggers(logs):
+    for drive in join_loggers(logs, wheel_radii(vehicle)):
         checked, faults = check_samples(drive.channels)
         whole = Drive(drive.loggers, checked, (*drive.faults, *faults, *missing))
         for part in split_at_pauses(whole):
@@ -96,7 +97,7 @@ def _manoeuvres(drive: Drive, vehicle: VehicleFile, origin_s: float) -> list[Man
         time, values, weights = on_grid(drive.channels)
     except InputError as error:
         raise InputError(f"{', '.join(drive.loggers)}: {error}") from None
-    radii = {wheel: float(getattr(vehicle.wheels, wheel).radius) for wheel in WHEELS}
+    radii = wheel_radii(vehicle)
     origins = {name: drive.channels[name].origin for name in values}
     stretches = cut(values, weights, radii)
     own = own_samples(drive.channels, time)

@@ -1,0 +1,151 @@
+"""Two loggers of several drives: one clock each, one log for all, another epoch, or a clock that begins anew each time.
+
+The car is the one of ``kinematic_car``, its second logger records the speed over ground.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import kinematic_car as car
+import numpy as np
+import pytest
+from hidden_car import hidden_logs
+
+from model_diagnosis.data import check_data, read_manoeuvres
+from model_diagnosis.manoeuvre import Manoeuvre
+from model_diagnosis.replay import Replay
+from signals.measured import load_channel_map
+from signals.measured.channel_map import ChannelMap
+from vehicle_model.vehicle_file import VehicleFile
+
+KINDS = ("stop", "turn_brake", "accelerate")
+STARTS_S = (1.1, 0.2, 0.7)
+"""How long after the first logger the second one was started in each drive."""
+Channels = dict[str, tuple[np.ndarray, np.ndarray]]
+Read = Callable[..., list[Manoeuvre]]
+
+
+@pytest.fixture
+def read(tmp_path: Path, vehicle: VehicleFile, channel_map: ChannelMap) -> Read:
+    """Manoeuvres of three drives, of which the second logger's clock is ``ahead_s`` on or begins at its start."""
+
+    def made(
+        *, ahead_s: float = 0.0, own_anew: bool = False, other_anew: bool = False, one_log: bool = False
+    ) -> list[Manoeuvre]:
+        random, speeds, paths = np.random.default_rng(12), [], []
+        for k, (kind, start_s) in enumerate(zip(KINDS, STARTS_S, strict=True)):
+            driven = car.drive(kind, random)
+            log = car.logged(driven, car.sensed(driven, random), random)
+            stamps, values = log.pop("speed")
+            begin_s = 0.0 if own_anew else 60.0 * k
+            paths.append(car.write_csv(tmp_path / f"{kind}.csv", moved(log, begin_s)))
+            kept = stamps >= start_s
+            clock_s = -start_s if other_anew else 60.0 * k + ahead_s
+            speeds.append((stamps[kept] + clock_s, values[kept]))
+        if one_log:
+            speeds = [(np.concatenate([t for t, _ in speeds]), np.concatenate([v for _, v in speeds]))]
+        names = ["gps"] if one_log else [f"{kind}_gps" for kind in KINDS]
+        for name, speed in zip(names, speeds, strict=True):
+            paths.append(car.write_csv(tmp_path / f"{name}.csv", {"speed": speed}))
+        return read_manoeuvres(paths, channel_map, vehicle)
+
+    return made
+
+
+def moved(log: Channels, later_s: float) -> Channels:
+    return {name: (stamps + later_s, values) for name, (stamps, values) in log.items()}
+
+
+def late_s(manoeuvre: Manoeuvre) -> float:
+    """By how much the speed over ground is late against the wheels, by the least mean square of their difference.
+
+    Slip makes it 0.17 s of 0 where the car accelerates.
+    """
+    wheels = car.RADIUS_M * np.max([manoeuvre.channels[f"wheel_speed_{w}"] for w in ("fl", "fr", "rl", "rr")], axis=0)
+    reach, speed = 150, manoeuvre.channels["speed"]
+    inner = slice(reach, len(wheels) - reach)
+    misfit = [np.std((np.roll(speed, -shift) - wheels)[inner]) for shift in range(-reach, reach + 1)]
+    return 0.01 * (int(np.argmin(misfit)) - reach)
+
+
+def faults_of(manoeuvres: list[Manoeuvre]) -> dict[str, float | None]:
+    return {f.channel: f.value for m in manoeuvres for f in m.reading_faults if f.kind == "clock_offset"}
+
+
+@pytest.mark.parametrize("one_log", [False, True], ids=["a log per drive", "one log"])
+@pytest.mark.parametrize("ahead_s", [0.0, 3600.0, -7.5], ids=["one clock", "another hour", "some seconds behind"])
+def test_drives_have_the_other_loggers_speed(read: Read, ahead_s: float, one_log: bool) -> None:
+    """-7.5 s: the second logger's log of one drive begins before the first logger's, and shares a part of its time."""
+    manoeuvres = read(ahead_s=ahead_s, one_log=one_log)
+    assert [m.name for m in manoeuvres] == list(KINDS)
+    assert all("speed" in m.channels and "yaw_rate" in m.channels for m in manoeuvres)
+    assert [late_s(m) for m in manoeuvres] == pytest.approx([0.0] * 3, abs=0.2)
+    told = faults_of(manoeuvres)
+    assert list(told.values()) == pytest.approx([ahead_s] if ahead_s else [], abs=0.2)
+
+
+def test_logs_that_all_begin_at_zero_are_found_in_the_one_long_log(read: Read) -> None:
+    manoeuvres = read(ahead_s=3600.0, own_anew=True, one_log=True)
+    assert [late_s(m) for m in manoeuvres] == pytest.approx([0.0] * 3, abs=0.2)
+    ahead_s = {f"{kind}.csv": -3600.0 - 60.0 * k for k, kind in enumerate(KINDS)}
+    assert faults_of(manoeuvres) == pytest.approx(ahead_s, abs=0.2)
+
+
+def test_logs_of_two_loggers_that_begin_anew_are_paired_by_their_names(read: Read) -> None:
+    manoeuvres = read(own_anew=True, other_anew=True)
+    assert [m.drive for m in manoeuvres] == [f"{kind}.csv, {kind}_gps.csv" for kind in KINDS]
+    assert [late_s(m) for m in manoeuvres] == pytest.approx([-start_s for start_s in STARTS_S], abs=0.2)
+
+
+def test_another_offset_in_each_drive_is_told_by_lags_and_shifted(read: Read, vehicle: VehicleFile) -> None:
+    """Lags of one drive alone: its twins tell some tens of milliseconds."""
+    faults, repaired = check_data(read(own_anew=True, other_anew=True), vehicle)
+    told = {fault.channel: fault.value for fault in faults if fault.kind == "clock_offset"}
+    starts_s = {f"{kind}_gps.csv": -start_s for kind, start_s in zip(KINDS, STARTS_S, strict=True)}
+    assert told == pytest.approx(starts_s, abs=0.08)
+    assert [late_s(m) for m in repaired] == pytest.approx([0.0] * 3, abs=0.2)
+
+
+def test_a_log_of_another_drive_is_told(tmp_path: Path, vehicle: VehicleFile, channel_map: ChannelMap) -> None:
+    """A speed that no log of the first logger goes with stays by itself, and that is no small fault of the data."""
+    random, paths = np.random.default_rng(3), []
+    for k, kind in enumerate(("stop", "turn_brake", "accelerate")):
+        driven = car.drive(kind, random)
+        log = car.logged(driven, car.sensed(driven, random), random)
+        speed = {"speed": log.pop("speed")}
+        if kind == "accelerate":
+            paths.append(car.write_csv(tmp_path / "gps.csv", moved(speed, 900.0)))
+        else:
+            paths.append(car.write_csv(tmp_path / f"{kind}.csv", moved(log, 60.0 * k)))
+    manoeuvres = read_manoeuvres(paths, channel_map, vehicle)
+    assert ["speed" in m.channels for m in manoeuvres] == [False, False, True]
+    (fault,) = {fault.message: fault for m in manoeuvres for fault in m.reading_faults}.values()
+    assert (fault.kind, fault.channel, fault.repaired) == ("clock_offset", "gps.csv", False)
+    assert "no time is shared with stop.csv and 1 more" in fault.message
+
+
+@pytest.mark.nightly
+def test_another_offset_in_each_drive_is_told_by_innovations_to_a_sample(tmp_path: Path) -> None:
+    """The hidden car of the generator: stops tell the start of the second logger to 10 ms; a steady speed tells none.
+
+    On the coast, at 0.3 m/s², 10 ms are 3 mm/s: 30 ms there are less than a tenth of the speed's noise.
+    """
+    names = ("coast", "gentle_stops", "abs_stop", "sine_steer", "brake_in_turn", "accelerate_and_brake")
+    starts_s = dict(zip(names, (1.208, 1.212, 0.773, 0.429, 0.081, 0.575), strict=True))
+    vehicle, _ = hidden_logs(tmp_path, 4713, names[:1])
+    paths = []
+    for name, start_s in starts_s.items():
+        head, *rows = [line.split(";") for line in (tmp_path / "logs" / f"{name}.csv").read_text().splitlines()]
+        column = head.index("Speed [km/h]")
+        own = [[cell for k, cell in enumerate(row) if k != column] for row in (head, *rows)]
+        other = [[f"{float(row[0]) - start_s:.6f}", row[column]] for row in rows if float(row[0]) >= start_s]
+        for file, table in ((f"{name}.csv", own), (f"{name}_gps.csv", [[head[0], head[column]], *other])):
+            paths.append(tmp_path / file)
+            paths[-1].write_text("\n".join(map(";".join, table)) + "\n")
+    manoeuvres = read_manoeuvres(paths, load_channel_map(str(tmp_path / "channels.yaml")), vehicle)
+    faults, _ = check_data(manoeuvres, vehicle, Replay)
+    told = {f.channel.removesuffix("_gps.csv"): f.value for f in faults if f.kind == "clock_offset"}
+    assert told.pop("sine_steer") is None
+    assert told.pop("coast") == pytest.approx(-starts_s["coast"], abs=0.03)
+    assert told == pytest.approx({name: -starts_s[name] for name in told}, abs=0.01)
+    assert len(told) == 4
