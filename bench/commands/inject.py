@@ -58,9 +58,7 @@ def inject(
     ] = None,
     vcd: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Write the wire of --explain for logic analysers: frame, flips, error frames."
-        ),
+        typer.Option(metavar="FILE", help="Write what a receiver sees of --explain and --flip for logic analysers."),
     ] = None,
     data_bit_rate: Annotated[float, typer.Option(metavar="BIT/S", help="Of the data phase of CAN FD in --vcd.")] = 2e6,
     dbc: Annotated[

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from can_fault_injector.frame import Frame
 
 _SLOWEST_BIT_S, _FASTEST_BIT_S = 1e3, 20e6
+"""Rates [bit/s]: CAN XL ends at 20 Mbit/s; below 1 kbit/s there is no transceiver."""
 
 
 def print_rules(faults: Path | None, bench_side: str, ecu_side: str, as_json: bool) -> None:

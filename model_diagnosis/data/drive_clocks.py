@@ -4,7 +4,7 @@ By the lags of twins within each drive, where those differ from drive to drive b
 by the innovations of a car that was fitted to all drives.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +25,7 @@ from model_diagnosis.data.innovations import total_log_innovation
 from model_diagnosis.data.replayed import FloatArray, ReplayFactory
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
+from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
 IntArray = NDArray[np.int64]
@@ -54,12 +55,14 @@ class DriveClock:
     drive, logger : as of ``Manoeuvre.drive`` and the file's name
     late : its channels and their delay
     told : whether the drive tells it
+    needed : whether the drive has no speed without it
     """
 
     drive: str
     logger: str
     late: Late
     told: bool
+    needed: bool
 
     @property
     def key(self) -> tuple[str, str]:
@@ -69,20 +72,22 @@ class DriveClock:
     def fault(self) -> DataFault:
         """The fault, as repaired by a whole-sample shift or by leaving the logger out."""
         delay_s, word = self.late.delay_s, "late" if self.late.delay_s > 0.0 else "early"
-        told = (
-            f"{1e3 * abs(delay_s):.0f} ms {word} against the other logger of this drive (± {1e3 * self.late.std_s:.0f} "
-            f"ms), another offset than in other drives; shifted by {round(delay_s / SAMPLE_TIME_S)} samples"
-            if self.told
-            else "the offset to the other logger differs from drive to drive, and this one does not tell it; left out "
-            "here"
-        )
+        if self.told:
+            told = (
+                f"{1e3 * abs(delay_s):.0f} ms {word} against the other logger of this drive "
+                f"(± {1e3 * self.late.std_s:.0f} ms), another offset than in other drives; shifted by "
+                f"{round(delay_s / SAMPLE_TIME_S)} samples"
+            )
+        else:
+            done = "but needed: left as it is" if self.needed else "left out here"
+            told = f"the offset to the other logger differs from drive to drive, and this one does not tell it; {done}"
         return DataFault(
             kind="clock_offset",
             channel=self.logger,
             value=delay_s if self.told else None,
             unit="s",
             evidence=self.late.gain if self.told else None,
-            repaired=True,
+            repaired=self.told or not self.needed,
             message=f"{self.logger}: {told}",
         )
 
@@ -92,13 +97,14 @@ def check_drive_clocks(
 ) -> tuple[list[DriveClock], list[Manoeuvre]]:
     """Offsets that differ from drive to drive, and the manoeuvres so shifted; none where all drives have the same.
 
-    Where a drive does not tell its own, a logger whose offset differs between the others is left out.
+    Where a drive does not tell its own, a logger whose offset differs between the others is left out, if it can be. The
+    innovations are asked where each drive can be replayed without these loggers.
     """
     drives = [name for name in dict.fromkeys(m.drive for m in manoeuvres) if name]
     clocks = [clock for drive in drives for clock in _by_lags(drive, _of(manoeuvres, drive), geometry)]
     if not _differ([clock.late for clock in clocks if clock.told]):
         return [], list(manoeuvres)
-    if replay is not None:
+    if replay is not None and not any(clock.needed for clock in clocks):
         clocks = _by_innovations(clocks, manoeuvres, vehicle, replay)
     return clocks, [_set_right(m, clocks) for m in manoeuvres]
 
@@ -194,12 +200,8 @@ def _of(manoeuvres: Sequence[Manoeuvre], drive: str) -> list[Manoeuvre]:
 def _by_lags(drive: str, parts: Sequence[Manoeuvre], geometry: Geometry) -> list[DriveClock]:
     """Offset of the loggers that a drive has besides its first one, as far as its lags tell them."""
     origins = {name: origin.partition(":")[0] for part in parts for name, origin in part.origins.items()}
-    leading = drive.partition(", ")[0]
-    own = {
-        logger: {name for name, origin in origins.items() if origin == logger}
-        for logger in dict.fromkeys(origins.values())
-        if logger != leading
-    }
+    _, *followers = dict.fromkeys(origins.values())
+    own = {logger: {name for name, origin in origins.items() if origin == logger} for logger in followers}
     if not own:
         return []
     sets = candidates(parts)
@@ -210,9 +212,19 @@ def _by_lags(drive: str, parts: Sequence[Manoeuvre], geometry: Geometry) -> list
     compared = {group for one in relations for group in (one.late, one.early)}
     found = {late.channels: late for late in explain_lags(relations, list(known.values()), proposed=True)}
     return [
-        DriveClock(drive, logger, found.get(late.channels, late), told=bool(late.groups & compared))
+        DriveClock(
+            drive,
+            logger,
+            found.get(late.channels, late),
+            told=bool(late.groups & compared),
+            needed=not _has_speed(origins.keys() - own[logger]),
+        )
         for logger, late in known.items()
     ]
+
+
+def _has_speed(channels: Collection[str]) -> bool:
+    return "speed" in channels or all(f"wheel_speed_{wheel}" in channels for wheel in WHEELS)
 
 
 def _differ(lates: Sequence[Late]) -> bool:
@@ -231,7 +243,7 @@ def _set_right(manoeuvre: Manoeuvre, clocks: Sequence[DriveClock]) -> Manoeuvre:
     for clock in clocks:
         if clock.drive == manoeuvre.drive and clock.told:
             manoeuvre = set_right(manoeuvre, clock.late.channels, clock.late.delay_s)
-        elif clock.drive == manoeuvre.drive:
+        elif clock.drive == manoeuvre.drive and not clock.needed:
             out |= set(clock.late.channels)
     return replace(
         manoeuvre,

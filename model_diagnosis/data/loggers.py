@@ -17,6 +17,7 @@ from model_diagnosis.data.speed_match import ClockMatch, match_clocks
 from model_diagnosis.result import DataFault
 
 _SHARED = 0.5
+"""Share of the shorter log's time from which two logs ran together: one drive's loggers do, seconds apart."""
 _MARGIN_S = 3.0
 """What a part of another logger's log has more on both sides: clocks that are off by up to 2.5 s are found later."""
 

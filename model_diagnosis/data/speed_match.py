@@ -13,15 +13,18 @@ from model_diagnosis.data.drives import Drive
 from model_diagnosis.data.samples import FloatArray, Samples
 from signals.wheels import WHEELS
 
-STEP_S = 0.1
+_STEP_S = 0.1
 """Steps in which clocks are compared: lags of up to 2.5 s are told to milliseconds by the checks that follow."""
 _LARGEST_DIFFERENCE = 0.05
 """Of two speeds of one drive, over their root mean square: slip, and half a step of the hardest braking at 20 m/s."""
 _CLEARLY = 0.5
 """Share of the difference at any other place that the difference at the right one must stay below."""
 _ANOTHER_PLACE_S = 3.0
+"""Within it a speed that changes slowly differs from itself by little: 0.3 m/s² of a coast make 1 m/s."""
 _LEAST_OVERLAP = 0.5
+"""Share of the square of the leading logs' speed that has to lie within the other's logs."""
 _GAP_S = 1.0
+"""Distance of two samples between which a speed is not known: no logger is slower than GPS."""
 
 
 class ClockMatch(NamedTuple):
@@ -51,12 +54,12 @@ def match_clocks(leads: Sequence[Drive], others: Sequence[Drive], radii: Mapping
         return None
     difference = _differences(own, other)
     best = int(np.argmin(difference))
-    far = np.abs(np.arange(len(difference)) - best) * STEP_S > _ANOTHER_PLACE_S
+    far = np.abs(np.arange(len(difference)) - best) * _STEP_S > _ANOTHER_PLACE_S
     elsewhere = float(np.min(difference[far], initial=np.inf))
     if difference[best] > min(_LARGEST_DIFFERENCE, _CLEARLY * elsewhere):
         return None
     place = best + _between_steps(difference[max(best - 1, 0) : best + 2] ** 2)
-    ahead_s = other.begin_s - own.begin_s + STEP_S * (place - (len(own.speed) - 1))
+    ahead_s = other.begin_s - own.begin_s + _STEP_S * (place - (len(own.speed) - 1))
     return ClockMatch(ahead_s, f"laid together by the speeds, which then differ by {100.0 * difference[best]:.1f} %")
 
 
@@ -95,7 +98,7 @@ def _course(drives: Sequence[Drive], radii: Mapping[str, float]) -> _Course | No
         return None
     begin = min(float(time[0]) for time, _ in series)
     end = max(float(time[-1]) for time, _ in series)
-    raster = begin + STEP_S * np.arange(int((end - begin) / STEP_S) + 1, dtype=np.float64)
+    raster = begin + _STEP_S * np.arange(int((end - begin) / _STEP_S) + 1, dtype=np.float64)
     speed, known = np.zeros(len(raster)), np.zeros(len(raster))
     for time, values in series:
         after = np.clip(np.searchsorted(time, raster), 1, len(time) - 1)

@@ -3,15 +3,17 @@
 The car is the one of ``kinematic_car``, its second logger records the speed over ground.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import kinematic_car as car
 import numpy as np
 import pytest
-from hidden_car import hidden_logs
+from hidden_car import WHEEL_SPEEDS, hidden_logs
 
 from model_diagnosis.data import check_data, read_manoeuvres
+from model_diagnosis.data.drive_clocks import check_drive_clocks
+from model_diagnosis.data.geometry import geometry_of
 from model_diagnosis.manoeuvre import Manoeuvre
 from model_diagnosis.replay import Replay
 from signals.measured import load_channel_map
@@ -30,23 +32,31 @@ def read(tmp_path: Path, vehicle: VehicleFile, channel_map: ChannelMap) -> Read:
     """Manoeuvres of three drives, of which the second logger's clock is ``ahead_s`` on or begins at its start."""
 
     def made(
-        *, ahead_s: float = 0.0, own_anew: bool = False, other_anew: bool = False, one_log: bool = False
+        *,
+        ahead_s: float = 0.0,
+        own_anew: bool = False,
+        other_anew: bool = False,
+        one_log: bool = False,
+        kinds: Sequence[str] = KINDS,
+        second: Sequence[str] = ("speed",),
     ) -> list[Manoeuvre]:
-        random, speeds, paths = np.random.default_rng(12), [], []
-        for k, (kind, start_s) in enumerate(zip(KINDS, STARTS_S, strict=True)):
+        random, others, paths = np.random.default_rng(12), [], []
+        for k, (kind, start_s) in enumerate(zip(kinds, STARTS_S, strict=True)):
             driven = car.drive(kind, random)
             log = car.logged(driven, car.sensed(driven, random), random)
-            stamps, values = log.pop("speed")
+            other = {name: log.pop(name) for name in second}
             begin_s = 0.0 if own_anew else 60.0 * k
             paths.append(car.write_csv(tmp_path / f"{kind}.csv", moved(log, begin_s)))
-            kept = stamps >= start_s
-            clock_s = -start_s if other_anew else 60.0 * k + ahead_s
-            speeds.append((stamps[kept] + clock_s, values[kept]))
+            kept = {
+                name: (stamps[stamps >= start_s], values[stamps >= start_s]) for name, (stamps, values) in other.items()
+            }
+            others.append(moved(kept, -start_s if other_anew else 60.0 * k + ahead_s))
         if one_log:
-            speeds = [(np.concatenate([t for t, _ in speeds]), np.concatenate([v for _, v in speeds]))]
-        names = ["gps"] if one_log else [f"{kind}_gps" for kind in KINDS]
-        for name, speed in zip(names, speeds, strict=True):
-            paths.append(car.write_csv(tmp_path / f"{name}.csv", {"speed": speed}))
+            others = [
+                {name: tuple(map(np.concatenate, zip(*(one[name] for one in others), strict=True))) for name in second}
+            ]
+        names = ["gps"] if one_log else [f"{kind}_gps" for kind in kinds]
+        paths += [car.write_csv(tmp_path / f"{name}.csv", one) for name, one in zip(names, others, strict=True)]
         return read_manoeuvres(paths, channel_map, vehicle)
 
     return made
@@ -106,6 +116,16 @@ def test_another_offset_in_each_drive_is_told_by_lags_and_shifted(read: Read, ve
     assert [late_s(m) for m in repaired] == pytest.approx([0.0] * 3, abs=0.2)
 
 
+def test_a_logger_of_all_speeds_is_never_left_out(read: Read, vehicle: VehicleFile) -> None:
+    """At a steady speed nothing tells its offset, and without it there is nothing to replay: that is no repair."""
+    second = ("speed", *WHEEL_SPEEDS)
+    manoeuvres = read(own_anew=True, other_anew=True, kinds=("stop", "accelerate", "coast"), second=second)
+    clocks, repaired = check_drive_clocks(manoeuvres, geometry_of(vehicle), vehicle, Replay)
+    assert [clock.told for clock in clocks] == [True, True, False]
+    assert [clock.fault().repaired for clock in clocks] == [True, True, False]
+    assert all(set(second) <= set(m.channels) for m in repaired)
+
+
 def test_a_log_of_another_drive_is_told(tmp_path: Path, vehicle: VehicleFile, channel_map: ChannelMap) -> None:
     """A speed that no log of the first logger goes with stays by itself, and that is no small fault of the data."""
     random, paths = np.random.default_rng(3), []
@@ -128,7 +148,7 @@ def test_a_log_of_another_drive_is_told(tmp_path: Path, vehicle: VehicleFile, ch
 def test_another_offset_in_each_drive_is_told_by_innovations_to_a_sample(tmp_path: Path) -> None:
     """The hidden car of the generator: stops tell the start of the second logger to 10 ms; a steady speed tells none.
 
-    On the coast, at 0.3 m/s², 10 ms are 3 mm/s: 30 ms there are less than a tenth of the speed's noise.
+    On the coast, at 0.3 m/s², 30 ms are 9 mm/s, a sixth of the speed's noise (0.05 m/s).
     """
     names = ("coast", "gentle_stops", "abs_stop", "sine_steer", "brake_in_turn", "accelerate_and_brake")
     starts_s = dict(zip(names, (1.208, 1.212, 0.773, 0.429, 0.081, 0.575), strict=True))
