@@ -29,6 +29,7 @@ class Manoeuvre:
     drive : logs of the drive that it was cut from; manoeuvres of one drive follow each other in time
     phases : catalogue name -> how far behind its instant of ``time`` each sample of a channel was taken [s], up to half
         a step to either side; 0 where it is not named
+    set_back_s : logger -> by how much its clock was set back in this drive alone when it was read [s]
     """
 
     name: str
@@ -41,6 +42,7 @@ class Manoeuvre:
     reading_faults: tuple[DataFault, ...] = ()
     drive: str = ""
     phases: Mapping[str, float] = field(default_factory=dict)
+    set_back_s: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def samples(self) -> int:

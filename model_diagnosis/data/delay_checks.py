@@ -308,6 +308,11 @@ def _price(late: Late, relations: Sequence[LagRelation], penalty: float) -> floa
     return penalty + early + 0.1 * len(late.groups - touched) + 0.01 * len(late.groups)
 
 
+def fitted_delays(relations: Sequence[LagRelation], sets: Sequence[Late]) -> list[Late]:
+    """Late sets with the delays that go best with the lags, be they long enough to be named or not."""
+    return _fit(relations, sets)[0]
+
+
 def _fit(relations: Sequence[LagRelation], sets: Sequence[Late]) -> tuple[list[Late], float]:
     """Delays of given sets by weighted least squares, and the cost that remains."""
     if not relations:

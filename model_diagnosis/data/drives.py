@@ -1,7 +1,7 @@
 """A drive: channels of one or several loggers, each on its own stamps of one clock."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,16 +13,25 @@ from model_diagnosis.result import DataFault
 
 @dataclass(frozen=True)
 class Drive:
-    """Channels of one drive, of one or several loggers."""
+    """Channels of one drive, of one or several loggers.
+
+    ``set_back_s`` tells by how much the clock of a logger was set back for this drive alone.
+    """
 
     loggers: tuple[str, ...]
     channels: Mapping[str, Samples]
     faults: tuple[DataFault, ...] = ()
+    set_back_s: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
         """Name of the first logger's file without its endings."""
         return self.loggers[0].split(".", 1)[0]
+
+    @property
+    def files(self) -> str:
+        """Files of all its loggers."""
+        return ", ".join(self.loggers)
 
 
 def span_s(drive: Drive) -> tuple[float, float]:
@@ -45,12 +54,23 @@ def duration_s(drive: Drive) -> float:
 
 def together(first: Drive, second: Drive) -> Drive:
     """Channels of two loggers that ran at the same time."""
-    return Drive(first.loggers + second.loggers, {**first.channels, **second.channels}, first.faults + second.faults)
+    return Drive(
+        first.loggers + second.loggers,
+        {**first.channels, **second.channels},
+        first.faults + second.faults,
+        {**first.set_back_s, **second.set_back_s},
+    )
 
 
 def moved(drive: Drive, later_s: float) -> Drive:
     """The drive with its clock set forward."""
     return replace(drive, channels={name: replace(c, time=c.time + later_s) for name, c in drive.channels.items()})
+
+
+def with_clocks_set_back(drive: Drive, by_s: Mapping[str, float]) -> Drive:
+    """The drive with the clocks of some loggers set back."""
+    channels = {name: replace(c, time=c.time - by_s.get(c.logger, 0.0)) for name, c in drive.channels.items()}
+    return replace(drive, channels=channels, set_back_s=by_s)
 
 
 def between(drive: Drive, low: float, high: float) -> Drive:

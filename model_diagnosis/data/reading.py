@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from model_diagnosis.data.drives import Drive, begin_s, duration_s, split_at_pauses
-from model_diagnosis.data.geometry import wheel_radii
+from model_diagnosis.data.drive_clocks import offsets_by_lags
+from model_diagnosis.data.drives import Drive, begin_s, duration_s, split_at_pauses, with_clocks_set_back
+from model_diagnosis.data.geometry import geometry_of, wheel_radii
 from model_diagnosis.data.grid import on_grid, own_samples
 from model_diagnosis.data.loggers import join_loggers
 from model_diagnosis.data.lost_frames import mask_lost_frames
@@ -43,13 +44,17 @@ def read_manoeuvres(paths: Sequence[str | Path], channel_map: ChannelMap, vehicl
     found = {name for log in logs for name in log}
     missing = _missing(paths, channel_map, sorted(found))
     _require_motion(paths, found, missing)
-    manoeuvres: list[Manoeuvre] = []
+    drives = []
     for drive in join_loggers(logs, wheel_radii(vehicle)):
         checked, faults = check_samples(drive.channels)
-        whole = Drive(drive.loggers, checked, (*drive.faults, *faults, *missing))
-        for part in split_at_pauses(whole):
-            if duration_s(part) >= SHORTEST_S:
-                manoeuvres += _manoeuvres(part, vehicle, begin_s(whole))
+        drives.append(replace(drive, channels=checked, faults=(*drive.faults, *faults, *missing)))
+    manoeuvres = _of_drives(drives, vehicle)
+    offsets_s = offsets_by_lags(manoeuvres, geometry_of(vehicle))
+    if offsets_s:
+        # on the time base a drive is cut to what its loggers share, which is more once their clocks agree
+        manoeuvres = _of_drives(
+            [with_clocks_set_back(drive, offsets_s.get(drive.files, {})) for drive in drives], vehicle
+        )
     if not manoeuvres:
         raise InputError(
             f"{', '.join(str(p) for p in paths)}: too short for a diagnosis",
@@ -91,12 +96,22 @@ def _require_motion(paths: Sequence[str | Path], found: set[str], missing: Seque
         )
 
 
+def _of_drives(drives: Sequence[Drive], vehicle: VehicleFile) -> list[Manoeuvre]:
+    return [
+        manoeuvre
+        for drive in drives
+        for part in split_at_pauses(drive)
+        if duration_s(part) >= SHORTEST_S
+        for manoeuvre in _manoeuvres(part, vehicle, begin_s(drive))
+    ]
+
+
 def _manoeuvres(drive: Drive, vehicle: VehicleFile, origin_s: float) -> list[Manoeuvre]:
     """Manoeuvres of a part of a drive that began at ``origin_s`` on the logs' clock."""
     try:
         time, values, weights = on_grid(drive.channels)
     except InputError as error:
-        raise InputError(f"{', '.join(drive.loggers)}: {error}") from None
+        raise InputError(f"{drive.files}: {error}") from None
     radii = wheel_radii(vehicle)
     origins = {name: drive.channels[name].origin for name in values}
     stretches = cut(values, weights, radii)
@@ -117,12 +132,13 @@ def _manoeuvres(drive: Drive, vehicle: VehicleFile, origin_s: float) -> list[Man
                 time=SAMPLE_TIME_S * np.arange(end - begin, dtype=np.float64),
                 channels={name: series[begin:end] for name, series in (values | taken).items()},
                 weights={name: series[begin:end] for name, series in on_time.items()},
-                source=f"{', '.join(drive.loggers)}, {time[begin]:.2f} s to {time[end - 1]:.2f} s",
+                source=f"{drive.files}, {time[begin]:.2f} s to {time[end - 1]:.2f} s",
                 origins=origins,
                 start_s=float(time[begin]) - origin_s,
                 reading_faults=drive.faults,
-                drive=", ".join(drive.loggers),
+                drive=drive.files,
                 phases=phases,
+                set_back_s=drive.set_back_s,
             )
         )
     return made
