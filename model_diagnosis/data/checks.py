@@ -31,6 +31,7 @@ from model_diagnosis.data.swap_checks import check_swapped_wheels
 from model_diagnosis.data.undefined_values import check_free_wheels
 from model_diagnosis.data.undriven_forces import check_undriven_forces
 from model_diagnosis.data.unit_checks import check_units
+from model_diagnosis.data.unsure_clock import check_unsure_clock
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
 from signals.errors import InputError
@@ -72,6 +73,9 @@ def check_data(
     found, large, small, repaired = _check_delays(repaired, geometry, vehicle, None)
     faults += found
     if replayable is not None:
+        unsure, repaired = check_unsure_clock(repaired, geometry, vehicle, replayable)
+        large, further = with_rests(large, unsure)
+        large += further
         replayed = _replayed(repaired, vehicle, replayable)
         large, repaired = refined_delays(large, lag_relations(repaired, geometry, replayed), repaired)
         found, further, small, repaired = _check_delays(repaired, geometry, vehicle, replayable)
