@@ -14,6 +14,7 @@ from model_diagnosis.data.delay_checks import Late, shifted
 from model_diagnosis.data.innovations import total_log_innovation
 from model_diagnosis.data.replayed import FloatArray, ReplayFactory
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
+from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
 IntArray = NDArray[np.int64]
@@ -23,6 +24,7 @@ ANYWHERE, COARSE, FINE = np.arange(-240, 241, 20), np.arange(-10, 11, 2), np.ara
 _BEGIN = 30
 """Samples at a drive's begin that tell nothing of shifts: a replay starts on a straight line through the first ones."""
 _LEAST_SAMPLES = 150
+"""Of a drive that are compared: three times those from which on the innovations of a channel count."""
 _SHARP = 8.0
 """Log likelihood that both ends of the finest shifts have to lose: the offset is known to some milliseconds then."""
 _AGREEMENT_STDS = 2.5
@@ -95,6 +97,11 @@ class FittedCar:
             weights.append(model.weights())
         common = [np.min(of_part, axis=0) for of_part in zip(*weights, strict=True)]
         return np.array([total_log_innovation(one, common) for one in residuals])
+
+
+def has_speed(channels: Collection[str]) -> bool:
+    """Whether a replay has a speed to start from in these channels."""
+    return "speed" in channels or all(f"wheel_speed_{wheel}" in channels for wheel in WHEELS)
 
 
 def without(manoeuvre: Manoeuvre, channels: Collection[str]) -> Manoeuvre:

@@ -29,7 +29,8 @@ slid in two of the six shipped ones."""
 _REPLAYED_TOLERANCE_S = 0.006
 _LAG_UNCERTAINTY = 0.25
 _FOLLOWS = 0.7
-_NAMED_S = 0.015
+NAMED_S, NAMED_STDS = 0.015, 3.0
+"""Delay that is named at least, in seconds and in its own standard deviations."""
 _ANSWERS = (
     ("wheel_speed", "brake_pressure"),
     ("longitudinal_acceleration", "brake_pressure"),
@@ -266,7 +267,7 @@ def explain_lags(
 
 def _is_telling(late: Late, *, proposed: bool) -> bool:
     """True for a delay long enough to be named, that the other ones do not explain."""
-    least_s = _PROPOSED_S if proposed else max(_NAMED_S, 3.0 * late.std_s)
+    least_s = _PROPOSED_S if proposed else max(NAMED_S, NAMED_STDS * late.std_s)
     return abs(late.delay_s) >= least_s and (proposed or 2.0 * late.gain >= _MARGIN)
 
 

@@ -4,12 +4,12 @@ By the lags of twins within each drive, where those differ from drive to drive b
 by the innovations of a car that was fitted to all drives.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model_diagnosis.data.clock_search import ANYWHERE, COARSE, FINE, FittedCar, without
+from model_diagnosis.data.clock_search import ANYWHERE, COARSE, FINE, FittedCar, has_speed, without
 from model_diagnosis.data.delay_checks import (
     Late,
     candidates,
@@ -23,7 +23,6 @@ from model_diagnosis.data.geometry import Geometry
 from model_diagnosis.data.replayed import ReplayFactory
 from model_diagnosis.manoeuvre import SAMPLE_TIME_S, Manoeuvre
 from model_diagnosis.result import DataFault
-from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
 _STDS = 3.0
@@ -180,15 +179,11 @@ def _by_lags(drive: str, parts: Sequence[Manoeuvre], geometry: Geometry) -> list
             logger,
             found[late.channels],
             told=bool(late.groups & compared),
-            needed=not _has_speed(origins.keys() - own[logger]),
+            needed=not has_speed(origins.keys() - own[logger]),
             set_back_s=set_back_s.get(logger, 0.0),
         )
         for logger, late in known.items()
     ]
-
-
-def _has_speed(channels: Collection[str]) -> bool:
-    return "speed" in channels or all(f"wheel_speed_{wheel}" in channels for wheel in WHEELS)
 
 
 def _differ(lates: Sequence[Late]) -> bool:

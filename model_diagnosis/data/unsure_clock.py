@@ -8,20 +8,25 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from model_diagnosis.data.clock_search import COARSE, FINE, FittedCar, without
-from model_diagnosis.data.delay_checks import Late, candidates, fitted_delays, lag_relations, set_right
+from model_diagnosis.data.clock_search import COARSE, FINE, FittedCar, has_speed, without
+from model_diagnosis.data.delay_checks import (
+    NAMED_S,
+    NAMED_STDS,
+    Late,
+    candidates,
+    fitted_delays,
+    lag_relations,
+    set_right,
+)
 from model_diagnosis.data.geometry import Geometry
 from model_diagnosis.data.replayed import ReplayFactory
 from model_diagnosis.manoeuvre import Manoeuvre
-from signals.wheels import WHEELS
 from vehicle_model.vehicle_file import VehicleFile
 
 _SPEED, _SLOPE = "speed", "longitudinal_acceleration"
-_WHEEL_SPEEDS = frozenset(f"wheel_speed_{wheel}" for wheel in WHEELS)
 _UNSURE_S = 0.03
-"""Standard deviation of what the lags tell of the delay from which the innovations are asked."""
-_NAMED_S, _NAMED_STDS = 0.015, 3.0
-"""Delay that is named at least, in seconds and in its own standard deviations."""
+"""Standard deviation of what the lags tell from which the innovations are asked: by the slope it is 0.006 to 0.01 s, by
+the wheels' slip alone 0.03 to 0.13."""
 _WIDE = np.arange(-40, 41, 8)
 """Shifts [samples] around what the lags tell: 2.5 standard deviations of 0.13 s, and one step more."""
 
@@ -31,7 +36,7 @@ def check_unsure_clock(
 ) -> tuple[list[Late], list[Manoeuvre]]:
     """The speed's delay where lags leave it unsure, and the manoeuvres so shifted; none where it cannot be told."""
     channels = [set(m.channels) for m in manoeuvres]
-    if any(_SLOPE in names or not names >= {_SPEED, *_WHEEL_SPEEDS} for names in channels):
+    if any(_SLOPE in names or _SPEED not in names or not has_speed(names - {_SPEED}) for names in channels):
         return [], list(manoeuvres)
     relations = lag_relations(manoeuvres, geometry)
     speeds = [late for late in candidates(manoeuvres) if late.groups == {_SPEED}]
@@ -42,6 +47,6 @@ def check_unsure_clock(
         return [], list(manoeuvres)
     car = FittedCar.to([without(m, (_SPEED,)) for m in manoeuvres], vehicle, replay)
     found = car.searched(late, manoeuvres, _WIDE, COARSE, FINE)
-    if found is None or abs(found.delay_s) < max(_NAMED_S, _NAMED_STDS * found.std_s):
+    if found is None or abs(found.delay_s) < max(NAMED_S, NAMED_STDS * found.std_s):
         return [], list(manoeuvres)
     return [found], [set_right(m, found.channels, found.delay_s) for m in manoeuvres]
