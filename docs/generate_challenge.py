@@ -1,7 +1,8 @@
 """Write what the challenge's published scores say: ``python docs/generate_challenge.py``.
 
 docs/challenge_scores/*.json are ``score.json`` of runs of `bench diagnose challenge --out DIR` at seeds of the table.
-docs/challenge_figures.md: all figures over them; docs/challenge_limits.md: the size from which each effect is seen.
+docs/challenge_figures.md: all figures over those of the first generator; docs/challenge_figures_second.md: over those
+of the second; docs/challenge_limits.md: the size from which each effect is seen, by cases of the first.
 """
 
 import json
@@ -15,13 +16,17 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from bench.challenge.figures import figures_of  # noqa: E402
+from bench.challenge.figures import Sizes, figures_of  # noqa: E402
 from bench.challenge.merging import merged_cases, read_score  # noqa: E402
 from bench.challenge.misses import misses_of  # noqa: E402
 from bench.challenge.printing import table_row  # noqa: E402
 
 SCORES = ROOT / "docs/challenge_scores"
-LIMITS, FIGURES = ROOT / "docs/challenge_limits.md", ROOT / "docs/challenge_figures.md"
+LIMITS = ROOT / "docs/challenge_limits.md"
+FIGURES = {
+    "first": ROOT / "docs/challenge_figures.md",
+    "second": ROOT / "docs/challenge_figures_second.md",
+}
 
 LIMITS_HEAD = """# Sizes from which effects are seen
 
@@ -36,17 +41,16 @@ A steering linkage 55 % softer yields 2.2 times as much: its limit in small step
 """
 
 
-def limits_page(limits: Sequence[dict[str, Any]], scores: Sequence[dict[str, Any]]) -> str:
+def limits_page(limits: Sequence[dict[str, Any]], scores: Mapping[Path, Mapping[str, Any]]) -> str:
     """The page for a table of limits and the scored runs."""
+    sizes = figures_of([case.score for case in merged_cases(scores)]).sizes
     lines = []
     for row in limits:
-        seen = [score["sizes"][row["effect"]] for score in scores if row["effect"] in score["sizes"]]
-        smallest = min((s["smallest_seen"] for s in seen if s["smallest_seen"] is not None), default=None)
-        largest = max((s["largest_unseen"] for s in seen if s["largest_unseen"] is not None), default=None)
+        seen = sizes.get(row["effect"], Sizes(0, None, None))
         scatter = f"{100 * row['scatter']:g} %" if row["unit"] == "1" else f"{row['scatter']:g} {row['unit']}"
         lines.append(
             f"| `{row['effect']}` | {scatter} | {row['limit']:.1f} | {row['smallest']:g} … {row['largest']:g} "
-            f"| {_text(smallest)} | {_text(largest)} | {sum(s['cases'] for s in seen)} |"
+            f"| {_text(seen.smallest_seen)} | {_text(seen.largest_unseen)} | {seen.cases} |"
         )
     return LIMITS_HEAD + "\n".join(lines) + "\n"
 
@@ -74,7 +78,8 @@ MISSES_HEAD = """Size: scatters of the larger effect. *Surplus*: causes that are
 
 def figures_page(scores: Mapping[Path, Mapping[str, Any]]) -> str:
     """The page of figures over these scores, by file."""
-    cases = merged_cases(scores)
+    seeded = merged_cases(scores)
+    cases = [case.score for case in seeded]
     figures = figures_of(cases)
     looks = "; ".join(
         f"{score['seed']} ({score['family'] or 'mixture'}, {score['n']}, {score['generator']} generator)"
@@ -91,8 +96,7 @@ def figures_page(scores: Mapping[Path, Mapping[str, Any]]) -> str:
     lines += ["", "## Reliability of stated probabilities", "", "| Stated | Right | Statements |", "|---|---|---|"]
     lines += [f"| {part.stated:.2f} | {part.right:.2f} | {part.count} |" for part in figures.bins]
     lines += ["", "## What went wrong", "", MISSES_HEAD.rstrip()]
-    seeds = [score["seed"] for score in scores.values() for _ in score["cases"]]
-    for seed, case in zip(seeds, cases, strict=True):
+    for seed, case in seeded:
         if wrong := misses_of(case):
             size = f"{case.units:.1f}" if case.units else "–"
             place = f"{seed}/{int(case.case.removeprefix('case_'))}"
@@ -105,9 +109,12 @@ def main() -> None:
     scores = {file: read_score(file) for file in sorted(SCORES.glob("*.json"))}
     words = [sys.executable, str(ROOT / "tests/blind/generate.py"), "limits"]
     limits = json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
-    LIMITS.write_text(limits_page(limits, list(scores.values())), encoding="utf-8")
-    if scores:
-        FIGURES.write_text(figures_page(scores), encoding="utf-8")
+    for generator, page in FIGURES.items():
+        of_it = {file: score for file, score in scores.items() if score["generator"] == generator}
+        if generator == "first":
+            LIMITS.write_text(limits_page(limits, of_it), encoding="utf-8")
+        if of_it:
+            page.write_text(figures_page(of_it), encoding="utf-8")
 
 
 if __name__ == "__main__":

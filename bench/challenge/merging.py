@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from bench.challenge.scoring import CaseScore
 from signals.errors import InputError
@@ -27,8 +27,16 @@ def read_score(file: Path) -> dict[str, Any]:
     return dict(content)
 
 
-def merged_cases(scores: Mapping[Path, Mapping[str, Any]]) -> list[CaseScore]:
-    """Cases of all scores together.
+class SeededCase(NamedTuple):
+    """A scored case and the seed of its run."""
+
+    seed: int
+    score: CaseScore
+
+
+def merged_cases(scores: Mapping[Path, Mapping[str, Any]]) -> list[SeededCase]:
+    """Cases of all scores together, each once: a run of one family has the cases of that family that the mixture of its
+    seed has under the same numbers.
 
     Raises
     ------
@@ -37,16 +45,19 @@ def merged_cases(scores: Mapping[Path, Mapping[str, Any]]) -> list[CaseScore]:
     """
     runs: dict[tuple[object, ...], Path] = {}
     codes: dict[str, Path] = {}
+    cases: dict[tuple[object, ...], SeededCase] = {}
     for file, score in scores.items():
         run = score["seed"], score["family"], score["generator"]
         if run in runs:
             raise InputError(f"{file}: the same run as {runs[run]}", mend="give each score once")
         runs[run] = file
         codes.setdefault(score["code"], file)
+        for one in (_case(file, plain) for plain in score["cases"]):
+            cases.setdefault((score["seed"], score["generator"], one.family, one.case), SeededCase(score["seed"], one))
     if len(codes) > 1:
         found = ", ".join(f"{code} in {file}" for code, file in codes.items())
         raise InputError("scores of different code", found=found, mend="run the parts again with one version")
-    return [_case(file, one) for file, score in scores.items() for one in score["cases"]]
+    return list(cases.values())
 
 
 def _case(file: Path, plain: Mapping[str, Any]) -> CaseScore:

@@ -94,6 +94,15 @@ def test_the_same_seed_writes_the_same_logs_under_another_salt(tmp_path: Path) -
     assert texts[0][2] != texts[1][2]
 
 
+@pytest.mark.parametrize("family", ["single", "clean", "data_fault"])
+def test_a_family_has_the_cases_of_the_mixture_under_their_numbers(family: str) -> None:
+    """Why a table counts such a case once."""
+    mixture = next(c for k in range(40) if (c := Case(3, k, None, "first")).family == family)
+    alone = Case(3, mixture.index, family, "first")
+    assert alone.deviations == mixture.deviations
+    assert (alone.draw, alone.format, alone.loggers) == (mixture.draw, mixture.format, mixture.loggers)
+
+
 def test_labels_stay_out_of_the_case_folders(tmp_path: Path) -> None:
     words = ["cases", "--seed", "3", "--n", "1", "--out", str(tmp_path / "a"), "--sealed", str(tmp_path / "b")]
     assert main(words) == 0

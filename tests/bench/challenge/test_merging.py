@@ -23,13 +23,13 @@ def _score(folder: Path, seed: int, alarms: int, count: int, code: str = "abc", 
         for k in range(count)
     ]
     whole = {"seed": seed, "n": count, "family": "clean", "generator": "first", "code": code, "cases": cases, **more}
-    file = folder / f"{seed}_{code}.json"
+    file = folder / f"{seed}_{code}_{whole['family']}_{whole['generator']}.json"
     file.write_text(json.dumps(whole))
     return file
 
 
 def _merged(files: Sequence[Path]) -> list[CaseScore]:
-    return merged_cases({file: read_score(file) for file in files})
+    return [case.score for case in merged_cases({file: read_score(file) for file in files})]
 
 
 def _pages() -> dict[str, Any]:
@@ -49,6 +49,14 @@ def test_the_same_run_twice_is_refused(tmp_path: Path) -> None:
     twice = [_score(tmp_path, 1, 0, 5), _score(tmp_path.parent, 1, 0, 5)]
     with pytest.raises(InputError, match="the same run"):
         _merged(twice)
+
+
+def test_a_familys_case_is_that_of_the_mixture_of_its_seed_and_counts_once(tmp_path: Path) -> None:
+    family, mixture = _score(tmp_path, 1, 1, 40), _score(tmp_path, 1, 1, 3, family=None)
+    others = [_score(tmp_path, 2, 0, 3), _score(tmp_path, 1, 0, 4, generator="second")]
+    shares = figures_of(_merged([family, mixture, *others])).shares
+    figure = next(one for one in shares if one.name == "false alarms on clean cars")
+    assert (figure.value, figure.count) == (pytest.approx(1 / 47), 47)
 
 
 def test_scores_of_different_code_are_refused(tmp_path: Path) -> None:
