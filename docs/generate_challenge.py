@@ -104,17 +104,22 @@ def figures_page(scores: Mapping[Path, Mapping[str, Any]]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def pages(limits: Sequence[dict[str, Any]], scores: Mapping[Path, Mapping[str, Any]]) -> dict[Path, str]:
+    """All pages by their files, each generator's figures on its own."""
+    of_generator = {
+        name: {file: score for file, score in scores.items() if score["generator"] == name} for name in FIGURES
+    }
+    figures = {FIGURES[name]: figures_page(of_it) for name, of_it in of_generator.items() if of_it}
+    return {LIMITS: limits_page(limits, of_generator["first"]), **figures}
+
+
 def main() -> None:
     """Ask the generator for the theory, read the scores, write the pages."""
     scores = {file: read_score(file) for file in sorted(SCORES.glob("*.json"))}
     words = [sys.executable, str(ROOT / "tests/blind/generate.py"), "limits"]
     limits = json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
-    for generator, page in FIGURES.items():
-        of_it = {file: score for file, score in scores.items() if score["generator"] == generator}
-        if generator == "first":
-            LIMITS.write_text(limits_page(limits, of_it), encoding="utf-8")
-        if of_it:
-            page.write_text(figures_page(of_it), encoding="utf-8")
+    for page, text in pages(limits, scores).items():
+        page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

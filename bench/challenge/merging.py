@@ -35,8 +35,9 @@ class SeededCase(NamedTuple):
 
 
 def merged_cases(scores: Mapping[Path, Mapping[str, Any]]) -> list[SeededCase]:
-    """Cases of all scores together, each once: a run of one family has the cases of that family that the mixture of its
-    seed has under the same numbers.
+    """Cases of all scores together, each once, by the first score that has it.
+
+    A run of one family has the cases of that family that the mixture of its seed has under the same numbers.
 
     Raises
     ------
@@ -45,18 +46,20 @@ def merged_cases(scores: Mapping[Path, Mapping[str, Any]]) -> list[SeededCase]:
     """
     runs: dict[tuple[object, ...], Path] = {}
     codes: dict[str, Path] = {}
-    cases: dict[tuple[object, ...], SeededCase] = {}
     for file, score in scores.items():
         run = score["seed"], score["family"], score["generator"]
         if run in runs:
             raise InputError(f"{file}: the same run as {runs[run]}", mend="give each score once")
         runs[run] = file
         codes.setdefault(score["code"], file)
-        for one in (_case(file, plain) for plain in score["cases"]):
-            cases.setdefault((score["seed"], score["generator"], one.family, one.case), SeededCase(score["seed"], one))
     if len(codes) > 1:
         found = ", ".join(f"{code} in {file}" for code, file in codes.items())
         raise InputError("scores of different code", found=found, mend="run the parts again with one version")
+    cases: dict[tuple[object, ...], SeededCase] = {}
+    for file, score in scores.items():
+        for plain in score["cases"]:
+            one = _case(file, plain)
+            cases.setdefault((score["seed"], score["generator"], one.family, one.case), SeededCase(score["seed"], one))
     return list(cases.values())
 
 

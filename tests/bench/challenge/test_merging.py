@@ -89,6 +89,30 @@ def test_the_page_of_figures_says_where_they_come_from(tmp_path: Path) -> None:
     assert "Cases: clean 100." in page
 
 
+def test_each_generator_has_figures_of_its_own_and_sizes_are_of_the_first(tmp_path: Path) -> None:
+    single = asdict(CaseScore("case_0000", "single", "road_grade", 7.0, "road_grade", in_group=True))
+    first = _score(tmp_path, 1, 1, 4)
+    second = _score(tmp_path, 2, 3, 5, generator="second")
+    content = json.loads(second.read_text())
+    second.write_text(json.dumps({**content, "cases": [*content["cases"], single]}))
+    limit = {"effect": "road_grade", "scatter": 0.001, "unit": "1", "limit": 6.3, "smallest": 6.5, "largest": 40.0}
+    made = _pages()["pages"]([limit], {file: read_score(file) for file in (first, second)})
+    by_name = {file.name: text for file, text in made.items()}
+    assert "Cases: clean 4." in by_name["challenge_figures.md"]
+    assert "Cases: clean 5, single 1." in by_name["challenge_figures_second.md"]
+    assert "| – | – | 0 |" in by_name["challenge_limits.md"].splitlines()[-1]
+
+
+def test_an_old_score_beside_new_ones_is_told_as_other_code(tmp_path: Path) -> None:
+    """Also where its cases are such as this version does not know."""
+    old = _score(tmp_path, 1, 0, 1, "old")
+    content = json.loads(old.read_text())
+    content["cases"][0]["unheard_of"] = 1
+    old.write_text(json.dumps(content))
+    with pytest.raises(InputError, match="different code"):
+        _merged([old, _score(tmp_path, 2, 0, 1, "new")])
+
+
 def test_a_case_of_another_version_is_told(tmp_path: Path) -> None:
     file = _score(tmp_path, 1, 0, 1)
     content = json.loads(file.read_text())
